@@ -1,0 +1,3 @@
+//! Section V: the planner, and the controller that executes what it plans.
+
+pub mod controller;

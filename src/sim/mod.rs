@@ -1,0 +1,3 @@
+//! Section VI: the plant, its integrator, scenarios.
+
+pub mod plant;
