@@ -11,7 +11,7 @@ use super::body::{self, State};
 use super::integrator::integrate;
 use crate::robot::parameters::require;
 use crate::robot::{
-    CABLES, Cables, Geometry, ParameterError, PerCable, Pose, RobotParameters, forward_kinematics,
+    CABLES, Cables, Coordinates, Geometry, ParameterError, PerCable, Pose, RobotParameters, forward_kinematics,
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
@@ -148,6 +148,14 @@ impl Plant {
         };
         plant.measure();
         Ok(plant)
+    }
+
+    /// The same plant, moving with these rates of the six coordinates (m/s, rad/s).
+    #[must_use]
+    pub fn moving(mut self, rates: &Coordinates) -> Self {
+        self.state = body::moving(&self.parameters.initial_pose, rates);
+        self.measure();
+        self
     }
 
     /// Integrates over `h` seconds with `inputs` held.
