@@ -45,7 +45,8 @@ fn forward_kinematics_finds_every_move_of_50_mm_and_5_degrees() {
         let turn = Rotation3::from_scaled_axis(random_direction(&mut rng) * 5f64.to_radians());
         let to = Pose::from_parts(&position, &(turn * from.rotation()));
         let lengths = geometry.cables(&to.position(), &to.rotation()).length;
-        let found = forward_kinematics(&geometry, &lengths, &from).unwrap_or_else(|e| panic!("case {case}: {e}"));
+        let found =
+            forward_kinematics(&geometry, &lengths, &from).unwrap_or_else(|e| panic!("case {case}: {e}"));
         let error = found.pose.minus(&to).norm();
         assert!(error < 1e-7 && found.error_bound < 1e-8, "case {case}: {error} m, {found:?}");
     }
@@ -73,7 +74,8 @@ fn fall_in_units_of_6(h: f64) -> Vec<f64> {
         let rates = Coordinates::from_fn(|_, _| rng.random_range(-0.1..0.1));
         let mut set_point = pose;
         set_point.0.fixed_rows_mut::<3>(0).copy_from(&(pose.position() + offset));
-        let tension = lyapunov::tension_command(&robot, &geometry, &gains, &pose, &rates, &set_point).unwrap();
+        let tension =
+            lyapunov::tension_command(&robot, &geometry, &gains, &pose, &rates, &set_point).unwrap();
         if tension.iter().any(|u| *u <= 0.0) {
             continue;
         }
@@ -94,9 +96,12 @@ fn fall_in_units_of_6(h: f64) -> Vec<f64> {
 fn v_falls_at_the_rate_of_equation_6() {
     let (coarse, fine) = (fall_in_units_of_6(1e-3), fall_in_units_of_6(1e-4));
     let worst = |falls: &[f64]| falls.iter().map(|fall| (fall - 1.0).abs()).fold(0.0, f64::max);
-    let at_zero: Vec<f64> = coarse.iter().zip(&fine).map(|(coarse, fine)| (10.0 * fine - coarse) / 9.0).collect();
+    let at_zero: Vec<f64> =
+        coarse.iter().zip(&fine).map(|(coarse, fine)| (10.0 * fine - coarse) / 9.0).collect();
     let (coarse, fine, at_zero) = (worst(&coarse), worst(&fine), worst(&at_zero));
-    println!("largest deviation from (6): {coarse:.1e} at 1 ms, {fine:.1e} at 0.1 ms, {at_zero:.1e} extrapolated to 0");
+    println!(
+        "largest deviation from (6): {coarse:.1e} at 1 ms, {fine:.1e} at 0.1 ms, {at_zero:.1e} extrapolated to 0"
+    );
     assert!(fine < 0.01, "{fine} at 0.1 ms");
     assert!(at_zero < 1e-4, "{at_zero} is not first order");
 }

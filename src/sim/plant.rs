@@ -11,7 +11,8 @@ use super::body::{self, State};
 use super::integrator::integrate;
 use crate::robot::parameters::require;
 use crate::robot::{
-    CABLES, Cables, Coordinates, Geometry, ParameterError, PerCable, Pose, RobotParameters, forward_kinematics,
+    CABLES, Cables, Coordinates, Geometry, ParameterError, PerCable, Pose, RobotParameters,
+    forward_kinematics,
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
@@ -81,7 +82,9 @@ pub struct PlantOutputs {
 
 /// A step that could not be computed; the plant is as it was before it.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("the motion cannot be followed past {time} s after the start of the step: {cause} (largest motorTension {tension} N)")]
+#[error(
+    "the motion cannot be followed past {time} s after the start of the step: {cause} (largest motorTension {tension} N)"
+)]
 pub struct PlantError {
     /// Seconds after the start of the step.
     pub time: f64,

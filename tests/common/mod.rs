@@ -18,7 +18,8 @@ impl ClosedLoop {
     pub fn new(controller: ControllerParameters, plant: PlantParameters, goal: Pose, step: f64) -> Self {
         let hanging = Plant::new(plant, &PlantInputs::default()).unwrap();
         let controller = Controller::new(controller, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
-        let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::default() };
+        let pull =
+            PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::default() };
         let plant = Plant::new(plant, &pull).unwrap();
         Self { controller, plant, goal, enable: true, step, count: 0 }
     }
