@@ -9,9 +9,9 @@
 #![allow(missing_docs, clippy::missing_safety_doc, reason = "the standard documents the functions")]
 
 pub mod fmi2;
-mod fmi2_unsupported;
+pub mod fmi2_unsupported;
 pub mod fmi3;
-mod fmi3_unsupported;
+pub mod fmi3_unsupported;
 pub mod fmi3_values;
 mod signatures;
 mod states;

@@ -8,7 +8,7 @@ use crate::robot::{CABLES, RobotParameters, geometry::Geometry};
 
 /// A parallel view from the front and a little above: x to the right, z down, y towards the reader.
 fn project(point: &Vector3<f64>) -> (f64, f64) {
-    (330.0 + 400.0 * (point.x - 0.35 * point.y), 110.0 + 320.0 * (point.z + 0.3 * point.y))
+    (300.0 + 340.0 * (point.x - 0.35 * point.y), 110.0 + 340.0 * (point.z + 0.3 * point.y))
 }
 
 /// An SVG of the robot with Table I's dimensions, one metre below its base.
@@ -16,7 +16,7 @@ pub fn robot() -> String {
     let geometry = Geometry::new(&RobotParameters::default());
     let below = |point: &Vector3<f64>| point + Vector3::z();
     let mut svg = String::from(
-        "<svg viewBox=\"0 0 660 520\" role=\"img\" aria-label=\"Base triangle above, platform triangle below, six cables \
+        "<svg viewBox=\"90 40 400 470\" role=\"img\" aria-label=\"Base triangle above, platform triangle below, six cables \
          between them, the z axis points down\">\n",
     );
     svg += &triangle("base", [0, 2, 4].map(|i| geometry.anchor[i]));
@@ -28,11 +28,16 @@ pub fn robot() -> String {
         svg += &label(&middle, (-4.0, 4.0), "number", &n.to_string());
     }
     let origin = Vector3::zeros();
-    for (name, tip) in [("x", Vector3::x() * 0.3), ("y", Vector3::y() * 0.45), ("z", Vector3::z() * 0.45)] {
+    let axes = [
+        ("x", Vector3::x() * 0.3, (8.0, 4.0)),
+        ("y", Vector3::y() * 0.4, (-16.0, 12.0)),
+        ("z", Vector3::z() * 0.45, (8.0, 4.0)),
+    ];
+    for (name, tip, offset) in axes {
         svg += &line("axis", &origin, &tip);
-        svg += &label(&tip, (8.0, 4.0), "text", name);
+        svg += &label(&tip, offset, "text", name);
     }
-    svg += &label(&geometry.anchor[2], (-40.0, 24.0), "text", "base, side 2a");
+    svg += &label(&geometry.anchor[4], (60.0, -28.0), "text", "base, side 2a");
     svg += &label(&below(&geometry.attachment[3]), (-40.0, 28.0), "text", "platform, side 2b");
     svg + "</svg>"
 }

@@ -52,7 +52,7 @@ fn first_steps(model: Model) -> String {
 
 fn variables(model: Model) -> String {
     [
-        ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked."),
+        ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked. A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
         ("Inputs", Causality::Input, "Held during a step."),
         ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
     ]
@@ -98,7 +98,8 @@ fn units(row: &Row) -> String {
 }
 
 fn start(row: &Row) -> String {
-    row.start.iter().map(|&value| xml::number(row, value)).collect::<Vec<_>>().join(", ")
+    let rounded = row.start.iter().map(|value| (value * 1e4).round() / 1e4);
+    rounded.map(|value| xml::number(row, value)).collect::<Vec<_>>().join(", ")
 }
 
 fn statuses(model: Model) -> String {
