@@ -243,7 +243,8 @@ fn references_of_no_or_of_another_variable_are_refused() {
         }
     }
     // A real read as an integer, an enumeration as a real, and types that no variable has.
-    let wrong: [(Fmi, fn(*mut c_void) -> u32); 6] = [
+    type Call = fn(*mut c_void) -> u32;
+    let wrong: [(Fmi, Call); 6] = [
         (Two, |c| unsafe { fmi2GetInteger(c, &100, 1, &mut 0) }),
         (Two, |c| unsafe { fmi2GetReal(c, &228, 1, &mut 0.0) }),
         (Two, |c| unsafe { fmi2SetString(c, &100, 1, &null()) }),
