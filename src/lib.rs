@@ -1,5 +1,6 @@
 //! A six-cable suspended robot that never lets a cable go slack.
 
+pub mod cosim;
 pub mod fmi;
 pub mod plan;
 pub mod robot;
