@@ -2,160 +2,274 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::robot::parameters::require;
-use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters};
+use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
+use super::planner;
+use super::prediction::Prediction;
+use crate::control::{Estimator, ForceLoop, lyapunov};
+use crate::robot::dynamics::static_tensions;
+use crate::robot::{CABLES, Coordinates, Geometry, ParameterError, PerCable, Pose, forward_kinematics};
 
-/// How the next set point is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PlannerKind {
-    /// The paper's reachable domain, Eq. (15).
-    Bounded,
-}
-
-/// Where the measured pose comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PoseSource {
-    /// The input `encoderPose`.
-    EncoderPose,
-    /// Forward kinematics of the input `cableLength`.
-    CableLengths,
-}
-
-/// What the controller is doing. The numbers are the FMU's enumeration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Status {
-    /// `enable` is false: every motor gets `minTension`.
-    Disabled = 1,
-    /// At rest short of the goal, waiting for the next planner tick.
-    Holding = 2,
-    /// On the way to the active set point.
-    Moving = 3,
-    /// At rest at the goal.
-    AtGoal = 4,
-    /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
-    GoalUnreachable = 5,
-    /// The measured pose made no sense; gravity is held at the last good pose until `enable` falls and rises again.
-    SensorFault = 6,
-}
-
-/// Parameters of the controller; the defaults are Tables I and II.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ControllerParameters {
-    /// The robot under control.
-    pub robot: RobotParameters,
-    /// λ₀ of Eq. (2), 1/s.
-    pub lambda: f64,
-    /// η₀ of Eq. (4), 1/s.
-    pub eta: f64,
-    /// T_s, seconds between two decisions of the planner.
-    pub planner_period: f64,
-    /// N of the bisection after Eq. (17).
-    pub bisection_steps: i32,
-    /// Least tension commanded, N.
-    pub min_tension: f64,
-    /// Greatest tension commanded, N.
-    pub max_tension: f64,
-    /// Which reachable domain the planner uses.
-    pub planner: PlannerKind,
-    /// Which input is the measured pose.
-    pub pose_source: PoseSource,
-    /// Whether the load cells correct the motors (Section VII).
-    pub force_loop: bool,
-}
-
-impl Default for ControllerParameters {
-    fn default() -> Self {
-        Self {
-            robot: RobotParameters::default(),
-            lambda: 3.0,
-            eta: 3.0,
-            planner_period: 0.05,
-            bisection_steps: 8,
-            min_tension: 0.0,
-            max_tension: 100.0,
-            planner: PlannerKind::Bounded,
-            pose_source: PoseSource::EncoderPose,
-            force_loop: false,
-        }
-    }
-}
-
-/// What the controller reads in a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ControllerInputs {
-    /// Measured pose.
-    pub encoder_pose: Pose,
-    /// Measured cable lengths, m; read if `pose_source` is `CableLengths`.
-    pub cable_length: PerCable<f64>,
-    /// Load cells, N; read if `force_loop`.
-    pub measured_tension: PerCable<f64>,
-    /// x_f, may change at any time.
-    pub goal_pose: Pose,
-    /// Whether the controller may pull.
-    pub enable: bool,
-}
-
-/// What the controller answers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ControllerOutputs {
-    /// What the motors shall pull, N.
-    pub motor_tension: PerCable<f64>,
-    /// The active x_d^i.
-    pub set_point: Pose,
-    /// i, counted from 0 (the pose at which the controller was enabled).
-    pub set_point_index: i32,
-    /// Estimate of the pose at the time of the step's inputs.
-    pub estimated_pose: Pose,
-    /// Estimate of the rates of the six coordinates, m/s and rad/s.
-    pub estimated_velocity: Coordinates,
-    /// At rest at the active set point.
-    pub steady: bool,
-    /// At rest at the goal.
-    pub at_goal: bool,
-    /// Smallest tension of any cable predicted from now on, N.
-    pub tension_margin: f64,
-    /// What the controller is doing.
-    pub status: Status,
-}
+/// A pose measured farther than this from where it was, plus what the robot can travel meanwhile, is a sensor fault.
+/// m, rad, m/s, rad/s. The first two are the range in which forward kinematics is proved.
+const JUMP_POSITION: f64 = 0.05;
+const JUMP_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
+const TOP_SPEED: f64 = 2.0;
+const TOP_ANGULAR_RATE: f64 = 4.0;
+/// Beyond this pitch the angles no longer tell the orientation, rad.
+const LARGEST_PITCH: f64 = 1.4;
 
 /// Controller and planner with all their memory: plain data, no heap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
+    parameters: ControllerParameters,
+    geometry: Geometry,
+    mode: Mode,
+    /// Time of the last step, s.
+    time: f64,
+    /// When the planner was started, s, and how often it was asked since.
+    started: f64,
+    ticks: u64,
+    estimator: Estimator,
+    /// What the law imposed in the last step.
+    acceleration: Coordinates,
+    force_loop: ForceLoop,
+    prediction: Prediction,
+    unreachable: bool,
     outputs: ControllerOutputs,
 }
 
-impl ControllerParameters {
-    /// Names the first parameter that makes no sense.
-    ///
-    /// # Errors
-    /// [`ParameterError`] with the parameter's name, its value and what is allowed.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        let positive = |name, value: f64| {
-            require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
-        };
-        self.robot.validate()?;
-        positive("lambda", self.lambda)
-    }
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Mode {
+    Disabled,
+    Active,
+    /// With the tensions held.
+    Faulted(PerCable<f64>),
 }
 
 impl Controller {
-    /// Starts at `time` at the measured pose of `inputs`; its outputs are valid at once.
+    /// Starts at `time` (s) at the measured pose of `inputs`; its outputs are valid at once and hold the robot there.
+    ///
+    /// With `poseSource` CableLengths, `encoderPose` tells near which pose the lengths are to be understood at the start.
     ///
     /// # Errors
     /// [`ParameterError`] for a parameter that makes no sense.
-    pub fn new(parameters: ControllerParameters, time: f64, inputs: &ControllerInputs) -> Result<Self, ParameterError> {
-        let _ = (parameters, time, inputs);
-        todo!()
+    pub fn new(
+        parameters: ControllerParameters,
+        time: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<Self, ParameterError> {
+        parameters.validate()?;
+        let geometry = Geometry::new(&parameters.robot);
+        let estimator = Estimator::at_rest(inputs.encoder_pose);
+        let state = (&estimator.pose, &estimator.rates);
+        let gains = parameters.gains();
+        let prediction =
+            Prediction::new(&parameters.robot, &geometry, &gains, state, &inputs.encoder_pose, time);
+        let mut controller = Self {
+            parameters,
+            geometry,
+            mode: Mode::Disabled,
+            time,
+            started: time,
+            ticks: 0,
+            estimator,
+            acceleration: Coordinates::zeros(),
+            force_loop: ForceLoop::new(),
+            prediction,
+            unreachable: false,
+            outputs: ControllerOutputs {
+                motor_tension: [parameters.min_tension; CABLES],
+                set_point: inputs.encoder_pose,
+                set_point_index: 0,
+                estimated_pose: inputs.encoder_pose,
+                estimated_velocity: Coordinates::zeros(),
+                steady: false,
+                at_goal: false,
+                tension_margin: prediction.smallest_from(time),
+                status: Status::Disabled,
+            },
+        };
+        controller.sense(inputs, 0.0);
+        controller.act(inputs, 0.0);
+        Ok(controller)
     }
 
     /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs to hold until the next step.
     pub fn step(&mut self, time: f64, inputs: &ControllerInputs) {
-        let _ = (time, inputs);
-        todo!()
+        let dt = time - self.time;
+        self.time = time;
+        self.sense(inputs, dt);
+        if self.mode == Mode::Active {
+            self.plan(&inputs.goal_pose);
+        }
+        self.act(inputs, dt);
     }
 
     /// The outputs of the last step.
     pub fn outputs(&self) -> &ControllerOutputs {
         &self.outputs
+    }
+
+    /// Takes in the measured pose and the operator's `enable`, and settles the mode.
+    fn sense(&mut self, inputs: &ControllerInputs, dt: f64) {
+        let measured = self.measured_pose(inputs, dt).filter(Self::is_usable);
+        let was_disabled = self.mode == Mode::Disabled;
+        self.mode = match (inputs.enable, self.mode, measured) {
+            (false, ..) => Mode::Disabled,
+            (true, Mode::Faulted(held), _) => Mode::Faulted(held),
+            (true, Mode::Active, Some(pose)) if self.is_jump(&pose, dt) => self.fault(),
+            (true, _, None) => self.fault(),
+            (true, _, Some(_)) => Mode::Active,
+        };
+        match measured {
+            Some(pose) if self.is_jump(&pose, dt) => self.estimator = Estimator::at_rest(pose),
+            Some(pose) => self.estimator.update(&pose, &self.acceleration, dt),
+            None => {}
+        }
+        if was_disabled && self.mode == Mode::Active {
+            self.start_here();
+        }
+    }
+
+    fn measured_pose(&self, inputs: &ControllerInputs, dt: f64) -> Option<Pose> {
+        match self.parameters.pose_source {
+            PoseSource::EncoderPose => Some(inputs.encoder_pose),
+            PoseSource::CableLengths => {
+                let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
+                forward_kinematics(&self.geometry, &inputs.cable_length, &expected).ok().map(|found| found.pose)
+            }
+        }
+    }
+
+    /// Below the base and not turned on edge.
+    fn is_usable(pose: &Pose) -> bool {
+        pose.0[2] > 0.0 && pose.0[4].abs() < LARGEST_PITCH
+    }
+
+    fn is_jump(&self, pose: &Pose, dt: f64) -> bool {
+        let moved = pose.minus(&self.estimator.pose);
+        moved.fixed_rows::<3>(0).norm() > JUMP_POSITION + TOP_SPEED * dt
+            || moved.fixed_rows::<3>(3).norm() > JUMP_ANGLE + TOP_ANGULAR_RATE * dt
+    }
+
+    /// From now on gravity is held at the last good pose.
+    fn fault(&self) -> Mode {
+        let least = [self.parameters.min_tension; CABLES];
+        let held = static_tensions(&self.parameters.robot, &self.geometry, &self.estimator.pose);
+        Mode::Faulted(self.limited(held.unwrap_or(least)))
+    }
+
+    /// The measured pose becomes the set point, and the planner's clock starts.
+    fn start_here(&mut self) {
+        self.outputs.set_point = self.estimator.pose;
+        self.outputs.set_point_index = 0;
+        self.started = self.time;
+        self.ticks = 0;
+        self.unreachable = false;
+        self.force_loop = ForceLoop::new();
+        self.acceleration = Coordinates::zeros();
+        self.predict();
+    }
+
+    /// Fig. 4: every T_s, at rest, the next set point; a new goal is taken up at the next of these ticks.
+    fn plan(&mut self, goal: &Pose) {
+        let period = self.parameters.planner_period;
+        let elapsed = (self.time - self.started) / period;
+        // A tick is not missed for the rounding of communication points.
+        if elapsed < self.ticks as f64 - 1e-6 {
+            return;
+        }
+        self.ticks = (elapsed + 1e-6).floor() as u64 + 1;
+        let set_point = self.outputs.set_point;
+        let reachable = planner::is_reachable(&self.parameters.robot, &set_point, goal);
+        if self.is_steady() {
+            let next = planner::next_set_point(&self.parameters, &set_point, goal);
+            self.unreachable = !reachable || (next.is_none() && set_point != *goal);
+            if let Some(next) = next {
+                self.outputs.set_point = next;
+                self.outputs.set_point_index += 1;
+            }
+        } else {
+            self.unreachable = !reachable;
+        }
+        self.predict();
+    }
+
+    fn is_steady(&self) -> bool {
+        planner::is_steady(&self.estimator.pose, &self.estimator.rates, &self.outputs.set_point)
+    }
+
+    fn predict(&mut self) {
+        let Self { parameters, geometry, estimator, outputs, .. } = &*self;
+        let state = (&estimator.pose, &estimator.rates);
+        self.prediction = Prediction::new(
+            &parameters.robot,
+            geometry,
+            &parameters.gains(),
+            state,
+            &outputs.set_point,
+            self.time,
+        );
+    }
+
+    /// The law (4), or what stands for it when the controller may not or cannot act.
+    fn act(&mut self, inputs: &ControllerInputs, dt: f64) {
+        if self.mode == Mode::Active {
+            match self.law() {
+                Some(tension) => self.pull(&tension, inputs, dt),
+                None => self.mode = self.fault(),
+            }
+        }
+        match self.mode {
+            Mode::Active => {}
+            Mode::Disabled => self.outputs.motor_tension = [self.parameters.min_tension; CABLES],
+            Mode::Faulted(held) => self.outputs.motor_tension = held,
+        }
+        self.report(&inputs.goal_pose);
+    }
+
+    fn law(&self) -> Option<PerCable<f64>> {
+        let ControllerParameters { robot, .. } = &self.parameters;
+        let Estimator { pose, rates } = &self.estimator;
+        let gains = self.parameters.gains();
+        lyapunov::tension_command(robot, &self.geometry, &gains, pose, rates, &self.outputs.set_point)
+    }
+
+    fn pull(&mut self, tension: &PerCable<f64>, inputs: &ControllerInputs, dt: f64) {
+        let desired = self.limited(*tension);
+        let command = if self.parameters.force_loop {
+            self.force_loop.command(&desired, &inputs.measured_tension, dt)
+        } else {
+            desired
+        };
+        self.outputs.motor_tension = self.limited(command);
+        let Estimator { pose, rates } = &self.estimator;
+        self.acceleration =
+            lyapunov::acceleration(&self.parameters.gains(), pose, rates, &self.outputs.set_point);
+    }
+
+    fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
+        tension.map(|u| u.clamp(self.parameters.min_tension, self.parameters.max_tension))
+    }
+
+    fn report(&mut self, goal: &Pose) {
+        let steady = self.mode == Mode::Active && self.is_steady();
+        let at_goal = steady && self.outputs.set_point == *goal;
+        self.outputs.estimated_pose = self.estimator.pose;
+        self.outputs.estimated_velocity = self.estimator.rates;
+        self.outputs.steady = steady;
+        self.outputs.at_goal = at_goal;
+        self.outputs.status = match self.mode {
+            Mode::Disabled => Status::Disabled,
+            Mode::Faulted(_) => Status::SensorFault,
+            Mode::Active if at_goal => Status::AtGoal,
+            Mode::Active if self.unreachable => Status::GoalUnreachable,
+            Mode::Active if steady => Status::Holding,
+            Mode::Active => Status::Moving,
+        };
+        self.outputs.tension_margin = match self.mode {
+            Mode::Active => self.prediction.smallest_from(self.time),
+            Mode::Disabled | Mode::Faulted(_) => self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min),
+        };
     }
 }

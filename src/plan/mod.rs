@@ -1,3 +1,13 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
+pub mod bisection;
 pub mod controller;
+pub mod interface;
+pub mod linear_program;
+pub mod planner;
+pub mod prediction;
+
+pub use controller::Controller;
+pub use interface::{
+    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
+};

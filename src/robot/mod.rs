@@ -1,8 +1,14 @@
 //! Section II: the robot itself. Parameters, geometry, kinematics, dynamics.
 
+pub mod dynamics;
+pub mod forward;
+pub mod geometry;
 pub mod parameters;
 pub mod pose;
 
+pub use dynamics::{tensions, tensions_for_wrench};
+pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
+pub use geometry::{Cables, Geometry};
 pub use parameters::{ParameterError, RobotParameters};
 pub use pose::{Coordinates, Pose};
 

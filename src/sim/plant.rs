@@ -1,10 +1,21 @@
 //! The plant: a rigid body on six cables, with the imperfections of a real rig if asked for.
 
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::robot::{ParameterError, PerCable, Pose, RobotParameters};
+use super::body::{self, State};
+use super::integrator::integrate;
+use crate::robot::parameters::require;
+use crate::robot::{
+    CABLES, Cables, Geometry, ParameterError, PerCable, Pose, RobotParameters, forward_kinematics,
+};
+
+/// Speed of a cable at which friction has turned over, m/s.
+const FRICTION_TURNOVER: f64 = 1e-3;
 
 /// Parameters of the plant; all imperfections are zero by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,7 +24,8 @@ pub struct PlantParameters {
     pub robot: RobotParameters,
     /// Where the platform hangs, at rest, when the simulation starts.
     pub initial_pose: Pose,
-    /// Coulomb friction between motor and platform, a cable, N.
+    /// Coulomb friction between motor and platform, N a cable: the platform feels less while the motor hauls in, more while it
+    /// pays out.
     pub friction: f64,
     /// Time constant of the motors' torque, s.
     pub motor_lag: f64,
@@ -69,21 +81,47 @@ pub struct PlantOutputs {
 
 /// A step that could not be computed; the plant is as it was before it.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum PlantError {
-    /// The motion is beyond what the integrator can follow.
-    #[error("the motion cannot be integrated past {time} s after the step's start: {cause}")]
-    Integration {
-        /// Seconds after the start of the step.
-        time: f64,
-        /// Why.
-        cause: &'static str,
-    },
+#[error("the motion cannot be followed past {time} s after the start of the step: {cause} (largest motorTension {tension} N)")]
+pub struct PlantError {
+    /// Seconds after the start of the step.
+    pub time: f64,
+    /// Why.
+    pub cause: &'static str,
+    /// The largest tension commanded, N.
+    pub tension: f64,
 }
 
 /// The plant with all its memory: plain data, no heap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plant {
+    parameters: PlantParameters,
+    geometry: Geometry,
+    state: State,
+    /// What the motors pull, N.
+    motor: PerCable<f64>,
+    noise: Pcg64,
     outputs: PlantOutputs,
+}
+
+impl PlantParameters {
+    /// Names the first parameter that makes no sense.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the parameter's name, its value and what is allowed.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        self.robot.validate()?;
+        let z = self.initial_pose.0[2];
+        require(z > 0.0, "initialPose.z", z, "the platform must hang below the base, z > 0 (m)")?;
+        for (name, value) in [
+            ("friction", self.friction),
+            ("motorLag", self.motor_lag),
+            ("encoderResolution", self.encoder_resolution),
+            ("loadCellNoise", self.load_cell_noise),
+        ] {
+            require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
+        }
+        Ok(())
+    }
 }
 
 impl Plant {
@@ -92,8 +130,24 @@ impl Plant {
     /// # Errors
     /// [`ParameterError`] for a parameter that makes no sense.
     pub fn new(parameters: PlantParameters, inputs: &PlantInputs) -> Result<Self, ParameterError> {
-        let _ = (parameters, inputs);
-        todo!()
+        parameters.validate()?;
+        let mut plant = Self {
+            parameters,
+            geometry: Geometry::new(&parameters.robot),
+            state: body::at_rest(&parameters.initial_pose),
+            motor: inputs.motor_tension.map(pull_only),
+            noise: Pcg64::seed_from_u64(i64::from(parameters.noise_seed) as u64),
+            outputs: PlantOutputs {
+                encoder_pose: parameters.initial_pose,
+                velocity: Vector3::zeros(),
+                angular_velocity: Vector3::zeros(),
+                cable_length: [0.0; CABLES],
+                measured_tension: [0.0; CABLES],
+                slack: [false; CABLES],
+            },
+        };
+        plant.measure();
+        Ok(plant)
     }
 
     /// Integrates over `h` seconds with `inputs` held.
@@ -101,12 +155,85 @@ impl Plant {
     /// # Errors
     /// [`PlantError`] when the motion cannot be followed; the plant is then unchanged.
     pub fn step(&mut self, inputs: &PlantInputs, h: f64) -> Result<(), PlantError> {
-        let _ = (inputs, h);
-        todo!()
+        let command = inputs.motor_tension.map(pull_only);
+        let Self { parameters, geometry, motor, .. } = &*self;
+        let disturbance = (&inputs.disturbance_force, &inputs.disturbance_torque);
+        let end = integrate(&self.state, h, |t, state| {
+            let pull = lagged(motor, &command, parameters.motor_lag, t);
+            let tension = |cables: &Cables| platform_tension(parameters.friction, &pull, cables, state);
+            body::derivative(&parameters.robot, geometry, state, tension, disturbance)
+        });
+        let end = end.map_err(|stopped| PlantError {
+            time: stopped.time,
+            cause: stopped.cause,
+            tension: command.iter().copied().fold(0.0, f64::max),
+        })?;
+        self.motor = lagged(motor, &command, parameters.motor_lag, h);
+        self.state = body::normalised(end);
+        self.measure();
+        Ok(())
     }
 
     /// The outputs after the last step.
     pub fn outputs(&self) -> &PlantOutputs {
         &self.outputs
     }
+
+    /// What encoders and load cells see of the state.
+    fn measure(&mut self) {
+        let rotation = body::rotation(&self.state);
+        let position = body::position(&self.state);
+        let cables = self.geometry.cables(&position, &rotation);
+        let tension = platform_tension(self.parameters.friction, &self.motor, &cables, &self.state);
+        let pose = Pose::from_parts(&position, &rotation);
+        let resolution = self.parameters.encoder_resolution;
+        let (encoder_pose, cable_length) = if resolution > 0.0 {
+            let seen = cables.length.map(|l| (l / resolution).round() * resolution);
+            // Lengths rounded so coarsely that they belong to no pose leave the last one standing.
+            let found = forward_kinematics(&self.geometry, &seen, &pose);
+            (found.map_or(self.outputs.encoder_pose, |found| found.pose), seen)
+        } else {
+            (pose, cables.length)
+        };
+        self.outputs = PlantOutputs {
+            encoder_pose,
+            velocity: body::velocity(&self.state),
+            angular_velocity: body::angular_velocity(&self.state),
+            cable_length,
+            measured_tension: tension.map(|u| u + self.load_cell_noise()),
+            slack: tension.map(|u| u <= 0.0),
+        };
+    }
+
+    fn load_cell_noise(&mut self) -> f64 {
+        let deviation = self.parameters.load_cell_noise;
+        if deviation == 0.0 {
+            return 0.0;
+        }
+        let unit: f64 = StandardNormal.sample(&mut self.noise);
+        deviation * unit
+    }
+}
+
+/// Cables cannot push: a negative command pulls with zero.
+fn pull_only(command: f64) -> f64 {
+    command.max(0.0)
+}
+
+/// What motors with a first order lag pull `t` seconds after they pulled `start`, N.
+fn lagged(start: &PerCable<f64>, command: &PerCable<f64>, lag: f64, t: f64) -> PerCable<f64> {
+    if lag == 0.0 {
+        return *command;
+    }
+    let left = (-t / lag).exp();
+    std::array::from_fn(|i| command[i] + (start[i] - command[i]) * left)
+}
+
+/// What the platform feels of the motors' pull after friction, N.
+fn platform_tension(friction: f64, pull: &PerCable<f64>, cables: &Cables, state: &State) -> PerCable<f64> {
+    if friction == 0.0 {
+        return *pull;
+    }
+    let rates = cables.length_rates(&body::twist(state));
+    std::array::from_fn(|i| pull_only(pull[i] + friction * (rates[i] / FRICTION_TURNOVER).tanh()))
 }

@@ -1,0 +1,69 @@
+//! Section VII: load cells correct what friction in the drive train takes from the motors.
+
+use serde::{Deserialize, Serialize};
+
+use crate::robot::{CABLES, PerCable};
+
+/// Integral gain, 1/s: an error of tension decays to a third in 0.2 s.
+const INTEGRAL_GAIN: f64 = 5.0;
+/// Largest correction, N a cable: what a dead load cell can add or take.
+const LARGEST_CORRECTION: f64 = 10.0;
+
+/// An integrating tension loop a cable, around the motors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForceLoop {
+    correction: PerCable<f64>,
+    last_desired: Option<PerCable<f64>>,
+}
+
+impl ForceLoop {
+    /// Nothing corrected yet.
+    pub fn new() -> Self {
+        Self { correction: [0.0; CABLES], last_desired: None }
+    }
+
+    /// What the motors shall pull, N, so that the platform feels `desired`; `measured` is the answer to the previous call,
+    /// `dt` seconds ago.
+    pub fn command(&mut self, desired: &PerCable<f64>, measured: &PerCable<f64>, dt: f64) -> PerCable<f64> {
+        if let Some(last) = self.last_desired {
+            for i in 0..CABLES {
+                let integral = self.correction[i] + INTEGRAL_GAIN * (last[i] - measured[i]) * dt;
+                self.correction[i] = integral.clamp(-LARGEST_CORRECTION, LARGEST_CORRECTION);
+            }
+        }
+        self.last_desired = Some(*desired);
+        std::array::from_fn(|i| desired[i] + self.correction[i])
+    }
+}
+
+impl Default for ForceLoop {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_is_made_up_for() {
+        let mut force_loop = ForceLoop::new();
+        let mut measured = [8.0; CABLES];
+        for _ in 0..2000 {
+            let command = force_loop.command(&[10.0; CABLES], &measured, 1e-3);
+            measured = command.map(|u| u - 2.0);
+        }
+        assert!((measured[0] - 10.0).abs() < 1e-3, "{}", measured[0]);
+    }
+
+    #[test]
+    fn a_dead_load_cell_adds_no_more_than_the_limit() {
+        let mut force_loop = ForceLoop::new();
+        let mut command = [0.0; CABLES];
+        for _ in 0..10_000 {
+            command = force_loop.command(&[10.0; CABLES], &[0.0; CABLES], 1e-3);
+        }
+        assert_eq!(command, [10.0 + LARGEST_CORRECTION; CABLES]);
+    }
+}

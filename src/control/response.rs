@@ -1,0 +1,100 @@
+//! Eqs. (12) and (13): how a coordinate under the law (4) moves, in closed form, from rest or from any velocity.
+
+use super::Gains;
+
+/// Unit responses of e'' + (λ₀ + η₀) e' + λ₀ η₀ e = 0 for an error e = x - x_d, evaluated at one time.
+///
+/// `f` answers e(0) = 1, e'(0) = 0 and `phi` answers e(0) = 0, e'(0) = 1. One formula serves (12) and (13):
+/// φ(t) = (exp(-λ₀ t) - exp(-η₀ t)) / (η₀ - λ₀), continued by t exp(-λ₀ t) where the gains are equal, and
+/// f = exp(-λ₀ t) + λ₀ φ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    f: [f64; 3],
+    phi: [f64; 3],
+}
+
+impl Response {
+    /// The response `t` seconds (t ≥ 0) after the start.
+    pub fn at(gains: &Gains, t: f64) -> Self {
+        let Gains { lambda, eta } = *gains;
+        let decay = (-lambda * t).exp();
+        let x = (eta - lambda) * t;
+        // (1 - exp(-x))/x without loss of digits near x = 0.
+        let quotient = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
+        let phi = t * decay * quotient;
+        let d_phi = decay - eta * phi;
+        let dd_phi = -(lambda + eta) * d_phi - lambda * eta * phi;
+        let f = decay + lambda * phi;
+        let omega2 = lambda * eta;
+        Self { f: [f, -omega2 * phi, -omega2 * d_phi], phi: [phi, d_phi, dd_phi] }
+    }
+
+    /// x, x', x'' of a coordinate that started at `x0` with velocity `v0` towards `xd`.
+    pub fn motion(&self, x0: f64, v0: f64, xd: f64) -> [f64; 3] {
+        let e0 = x0 - xd;
+        let [e, de, dde] = std::array::from_fn(|k| e0 * self.f[k] + v0 * self.phi[k]);
+        [xd + e, de, dde]
+    }
+
+    /// f, f', f'': the normalised step error (x - x_d)/(x₀ - x_d) from rest and its derivatives (1/s, 1/s²).
+    pub fn step_error(&self) -> [f64; 3] {
+        self.f
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (12), as mended: with the factor t in x'.
+    fn critically_damped(w: f64, t: f64, x0: f64, xd: f64) -> [f64; 3] {
+        let (d, e) = (x0 - xd, (-w * t).exp());
+        [d * e * (1.0 + w * t) + xd, -w * w * d * t * e, d * w * w * e * (w * t - 1.0)]
+    }
+
+    /// (13), as mended: with its sign and + x_d.
+    fn overdamped(w: f64, xi: f64, t: f64, x0: f64, xd: f64) -> [f64; 3] {
+        let r = (xi * xi - 1.0).sqrt();
+        let (slow, fast) = ((-(xi - r) * w * t).exp(), (-(xi + r) * w * t).exp());
+        let k = (x0 - xd) / (2.0 * r);
+        [
+            xd + k * ((xi + r) * slow - (xi - r) * fast),
+            k * w * (fast - slow),
+            k * w * w * ((xi - r) * slow - (xi + r) * fast),
+        ]
+    }
+
+    #[test]
+    fn equals_the_papers_two_formulas() {
+        for i in 0..200 {
+            let t = 0.02 * f64::from(i);
+            let expected = critically_damped(3.0, t, 0.1, 0.4);
+            let motion = Response::at(&Gains { lambda: 3.0, eta: 3.0 }, t).motion(0.1, 0.0, 0.4);
+            let gains = Gains::from_damping(3.0, 1.4).unwrap();
+            let expected_over = overdamped(3.0, 1.4, t, 0.1, 0.4);
+            let motion_over = Response::at(&gains, t).motion(0.1, 0.0, 0.4);
+            for k in 0..3 {
+                assert!((motion[k] - expected[k]).abs() < 1e-14);
+                assert!((motion_over[k] - expected_over[k]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn nearly_equal_gains_join_the_two_formulas() {
+        let equal = Response::at(&Gains { lambda: 3.0, eta: 3.0 }, 0.7);
+        let near = Response::at(&Gains { lambda: 3.0, eta: 3.0 + 1e-12 }, 0.7);
+        for k in 0..3 {
+            assert!((equal.f[k] - near.f[k]).abs() < 1e-10 && (equal.phi[k] - near.phi[k]).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn initial_velocity_is_followed() {
+        // e'' + 5 e' + 6 e = 0 from e = 0, e' = 1: exp(-2t) - exp(-3t).
+        let t: f64 = 0.4;
+        let [x, v, _] = Response::at(&Gains { lambda: 2.0, eta: 3.0 }, t).motion(0.5, 1.0, 0.5);
+        assert!((x - 0.5 - ((-2.0 * t).exp() - (-3.0 * t).exp())).abs() < 1e-15);
+        assert!((v - (-2.0 * (-2.0 * t).exp() + 3.0 * (-3.0 * t).exp())).abs() < 1e-15);
+    }
+}

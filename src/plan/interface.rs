@@ -1,0 +1,173 @@
+//! What goes into the controller and what comes out: parameters, inputs, outputs.
+
+use serde::{Deserialize, Serialize};
+
+use crate::control::Gains;
+use crate::robot::parameters::require;
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters};
+
+/// How the next set point is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PlannerKind {
+    /// The paper's reachable domain, Eq. (15).
+    Bounded,
+}
+
+/// Where the measured pose comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PoseSource {
+    /// The input `encoderPose`.
+    EncoderPose,
+    /// Forward kinematics of the input `cableLength`.
+    CableLengths,
+}
+
+/// What the controller is doing. The numbers are the FMU's enumeration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Status {
+    /// `enable` is false: every motor gets `minTension`.
+    Disabled = 1,
+    /// At rest short of the goal, waiting for the next planner tick.
+    Holding = 2,
+    /// On the way to the active set point.
+    Moving = 3,
+    /// At rest at the goal.
+    AtGoal = 4,
+    /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
+    GoalUnreachable = 5,
+    /// The measured pose made no sense; gravity is held at the last good pose until `enable` falls and rises again.
+    SensorFault = 6,
+}
+
+/// Largest gain that makes sense, 1/s.
+const MAX_GAIN: f64 = 1000.0;
+
+/// Parameters of the controller; the defaults are Tables I and II.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControllerParameters {
+    /// The robot under control.
+    pub robot: RobotParameters,
+    /// λ₀ of Eq. (2), 1/s.
+    pub lambda: f64,
+    /// η₀ of Eq. (4), 1/s.
+    pub eta: f64,
+    /// T_s, seconds between two decisions of the planner.
+    pub planner_period: f64,
+    /// N of the bisection after Eq. (17).
+    pub bisection_steps: i32,
+    /// Least tension commanded, N.
+    pub min_tension: f64,
+    /// Greatest tension commanded, N.
+    pub max_tension: f64,
+    /// Which reachable domain the planner uses.
+    pub planner: PlannerKind,
+    /// Which input is the measured pose.
+    pub pose_source: PoseSource,
+    /// Whether the load cells correct the motors (Section VII).
+    pub force_loop: bool,
+}
+
+impl Default for ControllerParameters {
+    fn default() -> Self {
+        Self {
+            robot: RobotParameters::default(),
+            lambda: 3.0,
+            eta: 3.0,
+            planner_period: 0.05,
+            bisection_steps: 8,
+            min_tension: 0.0,
+            max_tension: 100.0,
+            planner: PlannerKind::Bounded,
+            pose_source: PoseSource::EncoderPose,
+            force_loop: false,
+        }
+    }
+}
+
+/// What the controller reads in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControllerInputs {
+    /// Measured pose.
+    pub encoder_pose: Pose,
+    /// Measured cable lengths, m; read if `pose_source` is `CableLengths`.
+    pub cable_length: PerCable<f64>,
+    /// Load cells, N; read if `force_loop`.
+    pub measured_tension: PerCable<f64>,
+    /// x_f, may change at any time.
+    pub goal_pose: Pose,
+    /// Whether the controller may pull.
+    pub enable: bool,
+}
+
+/// What the controller answers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControllerOutputs {
+    /// What the motors shall pull, N.
+    pub motor_tension: PerCable<f64>,
+    /// The active x_d^i.
+    pub set_point: Pose,
+    /// i, counted from 0 (the pose at which the controller was enabled).
+    pub set_point_index: i32,
+    /// Estimate of the pose at the time of the step's inputs.
+    pub estimated_pose: Pose,
+    /// Estimate of the rates of the six coordinates, m/s and rad/s.
+    pub estimated_velocity: Coordinates,
+    /// At rest at the active set point.
+    pub steady: bool,
+    /// At rest at the goal.
+    pub at_goal: bool,
+    /// Smallest tension of any cable predicted from now on, N.
+    pub tension_margin: f64,
+    /// What the controller is doing.
+    pub status: Status,
+}
+
+impl ControllerParameters {
+    /// λ₀ and η₀.
+    pub fn gains(&self) -> Gains {
+        Gains { lambda: self.lambda, eta: self.eta }
+    }
+
+    /// Names the first parameter that makes no sense.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the parameter's name, its value and what is allowed.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        self.robot.validate()?;
+        for (name, value) in [("lambda", self.lambda), ("eta", self.eta)] {
+            let ok = value > 0.0 && value <= MAX_GAIN;
+            require(ok, name, value, "must be greater than 0 and at most 1000 (1/s)")?;
+        }
+        let period = self.planner_period;
+        require(period.is_finite() && period > 0.0, "plannerPeriod", period, "must be greater than 0 (s)")?;
+        let steps = self.bisection_steps;
+        require((1..=52).contains(&steps), "bisectionSteps", steps.into(), "must be from 1 to 52")?;
+        let (min, max) = (self.min_tension, self.max_tension);
+        require(min.is_finite() && min >= 0.0, "minTension", min, "must be 0 or greater (N): cables cannot push")?;
+        require(max.is_finite() && max > min, "maxTension", max, "must be greater than minTension (N)")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_bad_parameter_is_named() {
+        let broken = |change: fn(&mut ControllerParameters)| {
+            let mut parameters = ControllerParameters::default();
+            change(&mut parameters);
+            parameters.validate().unwrap_err().to_string()
+        };
+        assert!(broken(|p| p.robot.m = -1.0).contains("parameter m = -1"));
+        assert!(broken(|p| p.robot.b = 0.5).contains("parameter b = 0.5"));
+        assert!(broken(|p| p.robot.g = 0.0).contains("parameter g = 0"));
+        assert!(broken(|p| p.lambda = 0.0).contains("parameter lambda = 0"));
+        assert!(broken(|p| p.eta = -2.0).contains("parameter eta = -2"));
+        assert!(broken(|p| p.bisection_steps = 0).contains("parameter bisectionSteps = 0"));
+        assert!(broken(|p| p.planner_period = 0.0).contains("parameter plannerPeriod = 0"));
+        assert!(broken(|p| p.min_tension = -1.0).contains("parameter minTension = -1"));
+        assert!(broken(|p| p.min_tension = 200.0).contains("parameter maxTension = 100"));
+        assert_eq!(ControllerParameters::default().validate(), Ok(()));
+    }
+}
