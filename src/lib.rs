@@ -5,5 +5,6 @@ pub mod cosim;
 pub mod fmi;
 pub mod plan;
 pub mod reach;
+pub mod report;
 pub mod robot;
 pub mod sim;
