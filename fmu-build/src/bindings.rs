@@ -39,7 +39,8 @@ fn generate(headers: &Path, name: &str) -> Result<String> {
     if let Some(include) = compiler_include() {
         builder = builder.clang_arg("-isystem").clang_arg(include.to_string_lossy());
     }
-    let bindings = builder.generate().context("bindgen failed: is libclang installed (Debian: libclang1-14)?")?;
+    let bindings =
+        builder.generate().context("bindgen failed: is libclang installed (Debian: libclang1-14)?")?;
     Ok(bindings.to_string())
 }
 

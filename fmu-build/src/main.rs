@@ -29,5 +29,8 @@ fn main() -> anyhow::Result<()> {
 
 /// The folder of the top level Cargo.toml.
 fn project_root() -> std::path::PathBuf {
-    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("fmu-build lies in the project").to_path_buf()
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("fmu-build lies in the project")
+        .to_path_buf()
 }

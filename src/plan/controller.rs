@@ -136,7 +136,9 @@ impl Controller {
             PoseSource::EncoderPose => Some(inputs.encoder_pose),
             PoseSource::CableLengths => {
                 let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
-                forward_kinematics(&self.geometry, &inputs.cable_length, &expected).ok().map(|found| found.pose)
+                forward_kinematics(&self.geometry, &inputs.cable_length, &expected)
+                    .ok()
+                    .map(|found| found.pose)
             }
         }
     }
@@ -269,7 +271,9 @@ impl Controller {
         };
         self.outputs.tension_margin = match self.mode {
             Mode::Active => self.prediction.smallest_from(self.time),
-            Mode::Disabled | Mode::Faulted(_) => self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min),
+            Mode::Disabled | Mode::Faulted(_) => {
+                self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min)
+            }
         };
     }
 }

@@ -143,7 +143,12 @@ impl ControllerParameters {
         let steps = self.bisection_steps;
         require((1..=52).contains(&steps), "bisectionSteps", steps.into(), "must be from 1 to 52")?;
         let (min, max) = (self.min_tension, self.max_tension);
-        require(min.is_finite() && min >= 0.0, "minTension", min, "must be 0 or greater (N): cables cannot push")?;
+        require(
+            min.is_finite() && min >= 0.0,
+            "minTension",
+            min,
+            "must be 0 or greater (N): cables cannot push",
+        )?;
         require(max.is_finite() && max > min, "maxTension", max, "must be greater than minTension (N)")
     }
 }

@@ -37,9 +37,15 @@ pub fn smallest_beta(
     let rows = bound.len();
     let matrix = CscMatrix::new(rows, 1, vec![0, rows], (0..rows).collect(), coefficient);
     let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-    let mut solver =
-        DefaultSolver::new(&CscMatrix::zeros((1, 1)), &[1.0], &matrix, &bound, &[NonnegativeConeT(rows)], settings)
-            .map_err(|error| LinearProgramError::Setup(error.to_string()))?;
+    let mut solver = DefaultSolver::new(
+        &CscMatrix::zeros((1, 1)),
+        &[1.0],
+        &matrix,
+        &bound,
+        &[NonnegativeConeT(rows)],
+        settings,
+    )
+    .map_err(|error| LinearProgramError::Setup(error.to_string()))?;
     solver.solve();
     match solver.solution.status {
         SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(Some(solver.solution.x[0].clamp(0.0, 1.0))),
@@ -77,7 +83,10 @@ mod tests {
             let exact = smallest_beta(&domain, &x_prev, &x_f).unwrap().expect("β = 1 is always admissible");
             // The bisection never claims more than is admissible, and is late by one grid step at most; 1e-7 is clarabel's.
             let late = bisection - exact;
-            assert!((-1e-7..=1.0 / 256.0 + 1e-7).contains(&late), "case {cases}: {bisection} against {exact}");
+            assert!(
+                (-1e-7..=1.0 / 256.0 + 1e-7).contains(&late),
+                "case {cases}: {bisection} against {exact}"
+            );
             partial += usize::from(bisection > 0.0 && bisection < 1.0);
         }
         assert!(partial > 3000, "too few cases between the ends: {partial}");

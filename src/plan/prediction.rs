@@ -29,8 +29,11 @@ impl Prediction {
         set_point: &Pose,
         time: f64,
     ) -> Self {
-        let mut prediction =
-            Self { made_at: time, horizon: TIME_CONSTANTS / gains.lambda.min(gains.eta), smallest: [0.0; INSTANTS] };
+        let mut prediction = Self {
+            made_at: time,
+            horizon: TIME_CONSTANTS / gains.lambda.min(gains.eta),
+            smallest: [0.0; INSTANTS],
+        };
         let error = pose.minus(set_point);
         let mut smallest = f64::INFINITY;
         for k in (0..INSTANTS).rev() {
@@ -73,11 +76,13 @@ mod tests {
         let geometry = Geometry::new(&robot);
         let gains = Gains { lambda: 3.0, eta: 3.0 };
         let (start, goal) = (Pose::default(), Pose::at(0.15, 0.15, 1.0));
-        let prediction = Prediction::new(&robot, &geometry, &gains, (&start, &Coordinates::zeros()), &goal, 2.0);
+        let prediction =
+            Prediction::new(&robot, &geometry, &gains, (&start, &Coordinates::zeros()), &goal, 2.0);
         // NOTES.md: the one-step move is admissible with a margin of 1.05 N, though (15) cannot tell.
         assert!((prediction.smallest_from(2.0) - 1.050).abs() < 1e-3, "{prediction:?}");
         let far = Pose::at(0.0, 0.4, 1.0);
-        let prediction = Prediction::new(&robot, &geometry, &gains, (&start, &Coordinates::zeros()), &far, 0.0);
+        let prediction =
+            Prediction::new(&robot, &geometry, &gains, (&start, &Coordinates::zeros()), &far, 0.0);
         assert!(prediction.smallest_from(0.0) < 0.0);
     }
 }

@@ -79,7 +79,12 @@ mod tests {
         let hi = |d: f64, o: f64| d + c * (d - o);
         let lo = |d: f64, o: f64| o - c * z_m * (d - o);
         let (xh, xl, yh, yl) = (hi(x.x, x0.x), lo(x.x, x0.x), hi(x.y, x0.y), lo(x.y, x0.y));
-        yh < s3 * xl + a && yh < a / 2.0 && yl > -a / 2.0 && yl > -s3 * xl - a && yh < -s3 * xh + a && yl > s3 * xh - a
+        yh < s3 * xl + a
+            && yh < a / 2.0
+            && yl > -a / 2.0
+            && yl > -s3 * xl - a
+            && yh < -s3 * xh + a
+            && yl > s3 * xh - a
     }
 
     #[test]

@@ -35,7 +35,8 @@ impl HalfPlane {
 /// `extent` m of the origin.
 pub fn polygon(half_planes: &[HalfPlane], extent: f64) -> Vec<Vector2<f64>> {
     let e = extent;
-    let mut vertices = vec![Vector2::new(e, e), Vector2::new(-e, e), Vector2::new(-e, -e), Vector2::new(e, -e)];
+    let mut vertices =
+        vec![Vector2::new(e, e), Vector2::new(-e, e), Vector2::new(-e, -e), Vector2::new(e, -e)];
     for half_plane in half_planes {
         vertices = clip(&vertices, half_plane);
     }

@@ -25,7 +25,8 @@ pub fn required_wrench(
     let angle_rates = rates.fixed_rows::<3>(3);
     let rate_matrix = pose.rate_matrix();
     let omega = rate_matrix * angle_rates;
-    let alpha = rate_matrix * accelerations.fixed_rows::<3>(3) + pose.rate_matrix_derivative(rates) * angle_rates;
+    let alpha =
+        rate_matrix * accelerations.fixed_rows::<3>(3) + pose.rate_matrix_derivative(rates) * angle_rates;
     let inertia = inertia(robot, pose);
     let torque = inertia * alpha + omega.cross(&(inertia * omega));
 

@@ -74,7 +74,8 @@ pub fn forward_kinematics(
         position += step.fixed_rows::<3>(0);
         rotation = Rotation3::from_scaled_axis(step.fixed_rows::<3>(3) / radius) * rotation;
         if eta < STEP_TOLERANCE {
-            let shortest = cables.length.iter().copied().fold(f64::INFINITY, f64::min) - 2.0 * 2f64.sqrt() * eta;
+            let shortest =
+                cables.length.iter().copied().fold(f64::INFINITY, f64::min) - 2.0 * 2f64.sqrt() * eta;
             let lipschitz = 6f64.sqrt() * (2.0 / shortest + 1.0 / radius);
             let proved = shortest > 0.0 && inverse.norm() * eta * lipschitz <= 0.5;
             // The step just taken leads from an iterate with bound 2η to one with bound 2η or less.

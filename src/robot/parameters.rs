@@ -16,7 +16,12 @@ pub struct ParameterError {
 }
 
 /// Succeeds if `ok`, else names the parameter, its value and what is allowed.
-pub fn require(ok: bool, name: &'static str, value: f64, allowed: &'static str) -> Result<(), ParameterError> {
+pub fn require(
+    ok: bool,
+    name: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), ParameterError> {
     if ok { Ok(()) } else { Err(ParameterError { name, value, allowed }) }
 }
 

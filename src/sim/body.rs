@@ -2,7 +2,7 @@
 
 use nalgebra::{Quaternion, Rotation3, SVector, UnitQuaternion, Vector3, Vector6};
 
-use crate::robot::{Cables, Geometry, PerCable, Pose, RobotParameters};
+use crate::robot::{Cables, Coordinates, Geometry, PerCable, Pose, RobotParameters};
 
 /// Position (m), velocity (m/s), quaternion (w, x, y, z) from the platform's to the base frame, angular velocity in the platform's
 /// frame (rad/s).
@@ -14,6 +14,15 @@ pub fn at_rest(pose: &Pose) -> State {
     state.fixed_rows_mut::<3>(0).copy_from(&pose.position());
     let q = UnitQuaternion::from_rotation_matrix(&pose.rotation());
     state.fixed_rows_mut::<4>(6).copy_from_slice(&[q.w, q.i, q.j, q.k]);
+    state
+}
+
+/// The state at a pose, moving with these rates of the six coordinates.
+pub fn moving(pose: &Pose, rates: &Coordinates) -> State {
+    let mut state = at_rest(pose);
+    state.fixed_rows_mut::<3>(3).copy_from(&rates.fixed_rows::<3>(0));
+    let omega = pose.rate_matrix() * rates.fixed_rows::<3>(3);
+    state.fixed_rows_mut::<3>(10).copy_from(&(pose.rotation().inverse() * omega));
     state
 }
 
@@ -89,7 +98,7 @@ pub fn derivative(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{Coordinates, tensions};
+    use crate::robot::tensions;
 
     #[test]
     fn tensions_of_the_inverse_dynamics_give_the_accelerations_asked_for() {
@@ -100,10 +109,7 @@ mod tests {
         let wanted = Coordinates::new(0.5, -0.6, 0.7, 0.8, -0.9, 1.0);
         let tension = tensions(&robot, &geometry, &pose, &rates, &wanted).unwrap();
 
-        let mut state = at_rest(&pose);
-        state.fixed_rows_mut::<3>(3).copy_from(&rates.fixed_rows::<3>(0));
-        let omega = pose.rate_matrix() * rates.fixed_rows::<3>(3);
-        state.fixed_rows_mut::<3>(10).copy_from(&(pose.rotation().inverse() * omega));
+        let state = moving(&pose, &rates);
         let none = Vector3::zeros();
         let rate = derivative(&robot, &geometry, &state, |_| tension, (&none, &none));
 

@@ -11,7 +11,8 @@ use super::body::{self, State};
 use super::integrator::integrate;
 use crate::robot::parameters::require;
 use crate::robot::{
-    CABLES, Cables, Geometry, ParameterError, PerCable, Pose, RobotParameters, forward_kinematics,
+    CABLES, Cables, Coordinates, Geometry, ParameterError, PerCable, Pose, RobotParameters,
+    forward_kinematics,
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
@@ -81,7 +82,9 @@ pub struct PlantOutputs {
 
 /// A step that could not be computed; the plant is as it was before it.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("the motion cannot be followed past {time} s after the start of the step: {cause} (largest motorTension {tension} N)")]
+#[error(
+    "the motion cannot be followed past {time} s after the start of the step: {cause} (largest motorTension {tension} N)"
+)]
 pub struct PlantError {
     /// Seconds after the start of the step.
     pub time: f64,
@@ -148,6 +151,14 @@ impl Plant {
         };
         plant.measure();
         Ok(plant)
+    }
+
+    /// The same plant, moving with these rates of the six coordinates (m/s, rad/s).
+    #[must_use]
+    pub fn moving(mut self, rates: &Coordinates) -> Self {
+        self.state = body::moving(&self.parameters.initial_pose, rates);
+        self.measure();
+        self
     }
 
     /// Integrates over `h` seconds with `inputs` held.

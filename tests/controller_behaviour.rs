@@ -1,0 +1,141 @@
+//! What the controller does when somebody asks for something else than the paper's move.
+
+mod common;
+
+use cable_robot::plan::{ControllerParameters, Status};
+use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::sim::PlantParameters;
+use common::ClosedLoop;
+
+fn to(goal: Pose) -> ClosedLoop {
+    ClosedLoop::new(ControllerParameters::default(), PlantParameters::default(), goal, 1e-3)
+}
+
+/// Runs for `seconds` and says how small a tension got.
+fn run(closed_loop: &mut ClosedLoop, seconds: f64) -> f64 {
+    let end = closed_loop.time() + seconds - 1e-9;
+    let mut smallest = f64::INFINITY;
+    while closed_loop.time() < end {
+        let (output, plant) = closed_loop.advance();
+        assert_eq!(plant.slack, [false; 6], "slack at {}", closed_loop.time());
+        smallest = output.motor_tension.iter().copied().fold(smallest, f64::min);
+    }
+    smallest
+}
+
+#[test]
+fn a_new_goal_is_accepted_on_the_way() {
+    let mut closed_loop = to(Pose::at(0.15, 0.15, 1.0));
+    run(&mut closed_loop, 0.7);
+    assert_eq!(closed_loop.controller.outputs().status, Status::Moving);
+    closed_loop.goal = Pose::at(-0.1, 0.05, 1.0);
+    assert!(run(&mut closed_loop, 15.0) > 0.5);
+    let output = closed_loop.controller.outputs();
+    assert_eq!((output.status, output.at_goal), (Status::AtGoal, true));
+    assert_eq!(output.set_point, closed_loop.goal);
+}
+
+#[test]
+fn a_goal_outside_the_workspace_is_a_status_and_slackens_nothing() {
+    let mut closed_loop = to(Pose::at(0.0, 0.5, 1.0));
+    run(&mut closed_loop, 30.0);
+    let output = closed_loop.controller.outputs();
+    assert_eq!(output.status, Status::GoalUnreachable);
+    assert!(output.set_point.0[1] > 0.2 && output.set_point.0[1] < 0.225, "{:?}", output.set_point);
+    // And back.
+    closed_loop.goal = Pose::at(0.0, 0.0, 1.0);
+    run(&mut closed_loop, 30.0);
+    assert_eq!(closed_loop.controller.outputs().status, Status::AtGoal);
+}
+
+#[test]
+fn a_goal_that_equation_15_does_not_speak_of_is_a_status() {
+    for goal in [
+        Pose::at(0.0, 0.0, 0.8),
+        Pose(Coordinates::new(0.1, 0.0, 1.0, 0.0, 0.0, 0.5)),
+        Pose::at(0.0, 0.0, -1.0),
+    ] {
+        let mut closed_loop = to(goal);
+        run(&mut closed_loop, 1.0);
+        let output = closed_loop.controller.outputs();
+        assert_eq!((output.status, output.set_point_index), (Status::GoalUnreachable, 0));
+    }
+}
+
+#[test]
+fn disabling_lets_go_and_enabling_starts_where_the_robot_is() {
+    let mut closed_loop = to(Pose::at(0.1, 0.0, 1.0));
+    run(&mut closed_loop, 0.5);
+    closed_loop.enable = false;
+    let (output, _) = closed_loop.advance();
+    assert_eq!((output.status, output.motor_tension), (Status::Disabled, [0.0; 6]));
+    for _ in 0..20 {
+        closed_loop.advance();
+    }
+    closed_loop.enable = true;
+    closed_loop.goal = closed_loop.plant.outputs().encoder_pose;
+    let (output, plant) = closed_loop.advance();
+    assert_eq!(output.set_point_index, 0);
+    assert!(output.set_point.minus(&plant.encoder_pose).norm() < 1e-3);
+}
+
+#[test]
+fn an_impossible_pose_holds_gravity_until_the_operator_resets() {
+    let mut closed_loop = to(Pose::at(0.0, 0.0, 1.0));
+    run(&mut closed_loop, 0.2);
+    let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    let good = inputs.encoder_pose;
+    inputs.encoder_pose = Pose::at(0.3, 0.0, 1.0);
+    closed_loop.controller.step(0.2, &inputs);
+    let check = |closed_loop: &ClosedLoop| {
+        let output = closed_loop.controller.outputs();
+        assert_eq!(output.status, Status::SensorFault);
+        assert!(
+            output.motor_tension.iter().all(|u| (u - 10.7612).abs() < 1e-3),
+            "{:?}",
+            output.motor_tension
+        );
+    };
+    check(&closed_loop);
+    inputs.encoder_pose = good;
+    closed_loop.controller.step(0.201, &inputs);
+    check(&closed_loop);
+    inputs.enable = false;
+    closed_loop.controller.step(0.202, &inputs);
+    assert_eq!(closed_loop.controller.outputs().status, Status::Disabled);
+    inputs.enable = true;
+    closed_loop.controller.step(0.203, &inputs);
+    assert_ne!(closed_loop.controller.outputs().status, Status::SensorFault);
+}
+
+#[test]
+fn a_singular_pose_is_a_fault_and_not_a_number_gone_wild() {
+    // Turned by 90 degrees the wrench matrix of this geometry loses rank.
+    let mut closed_loop = to(Pose::default());
+    let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    for k in 0..40 {
+        inputs.encoder_pose = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.08 * f64::from(k)));
+        closed_loop.controller.step(f64::from(k), &inputs);
+        let output = closed_loop.controller.outputs();
+        assert!(output.motor_tension.iter().all(|u| (0.0..=100.0).contains(u)), "{output:?}");
+        assert!(output.tension_margin.is_finite());
+    }
+}
+
+#[test]
+fn load_cells_make_up_for_friction() {
+    let parameters = ControllerParameters { force_loop: true, ..Default::default() };
+    let rig = PlantParameters { friction: 1.0, motor_lag: 0.01, ..Default::default() };
+    let offset = |parameters| {
+        let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.05, 0.0, 1.0), 1e-3);
+        for _ in 0..8000 {
+            closed_loop.advance();
+        }
+        let error =
+            closed_loop.plant.outputs().encoder_pose.minus(&closed_loop.controller.outputs().set_point);
+        error.fixed_rows::<3>(0).norm()
+    };
+    let (open, closed) = (offset(ControllerParameters::default()), offset(parameters));
+    println!("offset {open:.1e} m without, {closed:.1e} m with the force loop");
+    assert!(closed < 0.1 * open, "{closed} m with the force loop, {open} m without");
+}
