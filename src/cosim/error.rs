@@ -36,12 +36,12 @@ pub enum CosimError {
         present: String,
     },
     /// The dynamic linker refused the binary.
-    #[error("{fmu}: the binary cannot be loaded: {source}")]
+    #[error("{fmu}: the binary cannot be loaded: {reason}")]
     Library {
         /// File name of the FMU.
         fmu: String,
-        /// What the dynamic linker says.
-        source: libloading::Error,
+        /// What the dynamic linker says, for instance which other library it misses.
+        reason: String,
     },
     /// The FMU's binary lacks a function that the standard demands.
     #[error("{instance}: the FMU's binary has no function {function}")]

@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
+use std::error::Error;
 use std::ffi::CString;
 use std::fs::{self, File};
 use std::path::Path;
@@ -120,7 +121,11 @@ fn load(fmu: String, folder: &Path, description: &ModelDescription) -> Result<Li
             FmiVersion::V3 => Fmi3Library::new(&file).map(|library| Library::V3(Arc::new(library))),
         }
     };
-    loaded.map_err(|source| CosimError::Library { fmu, source })
+    loaded.map_err(|error| {
+        // The error itself says no more than "dlopen failed"; the reason is its source.
+        let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+        CosimError::Library { fmu, reason }
+    })
 }
 
 /// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3.
@@ -219,6 +224,6 @@ mod tests {
     fn a_binary_that_is_none_is_an_error() {
         let binary = format!("binaries/{ARCH}-{OS}/M{DLL_SUFFIX}");
         let error = error_of(&[("modelDescription.xml", XML), (&binary, b"no ELF")]);
-        assert!(error.contains("the binary cannot be loaded"), "{error}");
+        assert!(error.contains("the binary cannot be loaded") && error.contains("file too short"), "{error}");
     }
 }

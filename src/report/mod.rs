@@ -1,8 +1,10 @@
 //! What a person looks at: one HTML file of a run, which opens offline by double click.
 
+mod closed_loop;
 mod plots;
 mod run;
 
+pub use closed_loop::ClosedLoop;
 pub use run::{Run, SetPoint, SmallestTension, Summary};
 
 use plotly::Plot;
