@@ -1,0 +1,278 @@
+//! The C functions of both standards: they turn pointers into slices, call [`Instance`], and turn errors into statuses.
+//!
+//! This is the only place of the library with `unsafe`. Every function goes through [`call`] (or [`instantiate`]), so
+//! that the order of calls is checked, errors are reported and no panic reaches C, all in one place. Pointers are
+//! checked as far as a library can: NULL, alignment and length; that they point to what the standard says they point
+//! to is the importer's promise, and what each SAFETY comment rests on.
+#![allow(unsafe_code)]
+#![allow(non_snake_case, reason = "the names are the standard's")]
+#![allow(missing_docs, clippy::missing_safety_doc, reason = "the standard documents the functions")]
+
+pub mod fmi2;
+mod fmi2_unsupported;
+pub mod fmi3;
+mod fmi3_unsupported;
+pub mod fmi3_values;
+mod signatures;
+mod states;
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::mem::MaybeUninit;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::error::{FmiError, Status};
+use super::instance::Instance;
+use super::lifecycle::Function;
+use super::log::{Category, Log};
+use super::models::{MODELS, Model};
+use super::variables::Kind;
+
+/// What both versions return as status: an unsigned int with the numbers of [`Status`].
+type StatusCode = std::ffi::c_uint;
+
+/// Makes an instance of the model that has this token, or says why not and returns NULL.
+///
+/// # Safety
+/// `token` is NULL or a C string.
+unsafe fn instantiate(
+    function: &'static Function,
+    log: Log,
+    asked_for: Result<(), FmiError>,
+    token: *const c_char,
+) -> *mut c_void {
+    let made = catch(function, || {
+        asked_for?;
+        // SAFETY: the caller's promise.
+        let given = unsafe { text(token) }.unwrap_or_default();
+        Model::with_token(&given).ok_or_else(|| FmiError::Token { given, known: known_tokens() })
+    });
+    match made {
+        Ok(model) => Box::into_raw(Box::new(Instance::new(model, log))).cast(),
+        Err(error) => {
+            log.send(Status::Error, Category::Error, &error.to_string());
+            std::ptr::null_mut()
+        }
+    }
+}
+
+fn known_tokens() -> String {
+    MODELS.map(|model| format!("{} of {}", model.token(), model.identifier())).join(" and ")
+}
+
+/// Frees an instance; NULL is ignored.
+///
+/// # Safety
+/// `instance` is NULL or comes from [`instantiate`] and was not freed.
+unsafe fn free(instance: *mut c_void) {
+    if !instance.is_null() {
+        // SAFETY: the caller's promise.
+        drop(unsafe { Box::from_raw(instance.cast::<Instance>()) });
+    }
+}
+
+/// Runs `body` on an instance if `function` is allowed now. An error is logged and leaves the instance in the error
+/// state; a warning or a discarded call is logged.
+///
+/// # Safety
+/// `instance` is NULL or comes from [`instantiate`], was not freed, and nobody else uses it at the same time.
+unsafe fn call(
+    instance: *mut c_void,
+    function: &'static Function,
+    body: impl FnOnce(&mut Instance) -> Result<(), FmiError>,
+) -> StatusCode {
+    // SAFETY: the caller's promise.
+    let Some(instance) = (unsafe { instance.cast::<Instance>().as_mut() }) else {
+        return Status::Error as StatusCode; // There is no logger to tell.
+    };
+    let outcome = catch(function, || {
+        function.check(instance.state())?;
+        body(instance)
+    });
+    let Err(error) = outcome else { return Status::Ok as StatusCode };
+    instance.log.send(error.status(), error.category(), &error.to_string());
+    if error.status() == Status::Error {
+        instance.fail();
+    }
+    error.status() as StatusCode
+}
+
+/// A function of the standard that this FMU does not support.
+///
+/// # Safety
+/// As [`call`].
+unsafe fn refuse(instance: *mut c_void, function: &'static Function) -> StatusCode {
+    // SAFETY: the caller's promise.
+    unsafe { call(instance, function, |_| Ok(())) }
+}
+
+/// The one place where a panic ends: unwinding into C would abort the host.
+fn catch<T>(function: &'static Function, body: impl FnOnce() -> Result<T, FmiError>) -> Result<T, FmiError> {
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let message = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown").to_owned();
+        Err(FmiError::Panic { function: function.name, message })
+    })
+}
+
+/// The getters of both versions.
+///
+/// # Safety
+/// As [`call`]; the arrays are NULL or have the lengths given.
+unsafe fn get<T>(
+    instance: *mut c_void,
+    function: &'static Function,
+    handles: fn(Kind) -> bool,
+    references: (*const u32, usize),
+    values: (*mut T, usize),
+    convert: fn(f64) -> T,
+) -> StatusCode {
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's promise; the values are written only, so they need not be initialised.
+        let (references, values) = unsafe { (slice(references, REFERENCES)?, slice_mut(values, VALUES)?) };
+        same_length(references.len(), values.len())?;
+        instance.get(function, handles, references, |i, value| {
+            values[i].write(convert(value));
+        })
+    };
+    // SAFETY: the caller's promise.
+    unsafe { call(instance, function, body) }
+}
+
+/// The setters of both versions.
+///
+/// # Safety
+/// As [`call`]; the arrays are NULL or have the lengths given.
+unsafe fn set<T: Copy>(
+    instance: *mut c_void,
+    function: &'static Function,
+    handles: fn(Kind) -> bool,
+    references: (*const u32, usize),
+    values: (*const T, usize),
+    convert: fn(T) -> f64,
+) -> StatusCode {
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's promise.
+        let (references, values) = unsafe { (slice(references, REFERENCES)?, slice(values, VALUES)?) };
+        same_length(references.len(), values.len())?;
+        instance.set(function, handles, references, |i| convert(values[i]))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { call(instance, function, body) }
+}
+
+/// Getters and setters of types that no variable has: right for no references at all, and for no other.
+///
+/// # Safety
+/// As [`call`]; the array is NULL or has the length given.
+unsafe fn no_variables(
+    instance: *mut c_void,
+    function: &'static Function,
+    references: (*const u32, usize),
+) -> StatusCode {
+    // SAFETY: the caller's promise.
+    unsafe {
+        call(instance, function, |instance| {
+            instance.get(function, |_| false, slice(references, REFERENCES)?, |_, _| {})
+        })
+    }
+}
+
+const REFERENCES: &str = "the array of value references";
+const VALUES: &str = "the array of values";
+
+fn same_length(references: usize, values: usize) -> Result<(), FmiError> {
+    if references == values {
+        return Ok(());
+    }
+    let wanted = format!("{references}, the number of value references: all variables are scalars");
+    Err(FmiError::Length { argument: VALUES, given: values, wanted })
+}
+
+/// Switches log categories; no names (also a NULL array) means all of them.
+///
+/// # Safety
+/// As [`call`]; `names` is NULL or has `count` entries, each NULL or a C string.
+unsafe fn set_debug_logging(
+    instance: *mut c_void,
+    function: &'static Function,
+    on: bool,
+    names: *const *const c_char,
+    count: usize,
+) -> StatusCode {
+    let count = if names.is_null() { 0 } else { count };
+    // SAFETY: the caller's promise.
+    unsafe {
+        call(instance, function, |instance| {
+            let names = slice((names, count), "the array of categories")?;
+            let names: Vec<String> = names.iter().map(|&name| text(name).unwrap_or_default()).collect();
+            instance.log.enable(on, &names)
+        })
+    }
+}
+
+/// An array from C. No elements need no array.
+///
+/// # Safety
+/// The pointer is NULL or points to that many initialised `T` that nobody changes during the call.
+unsafe fn slice<'a, T>(
+    (pointer, length): (*const T, usize),
+    argument: &'static str,
+) -> Result<&'a [T], FmiError> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    check_array(pointer, length, argument)?;
+    // SAFETY: the caller's promise and the checks.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
+}
+
+/// An array of C to write to.
+///
+/// # Safety
+/// The pointer is NULL or points to room for that many `T` that nobody else uses during the call.
+unsafe fn slice_mut<'a, T>(
+    (pointer, length): (*mut T, usize),
+    argument: &'static str,
+) -> Result<&'a mut [MaybeUninit<T>], FmiError> {
+    if length == 0 {
+        return Ok(&mut []);
+    }
+    check_array(pointer, length, argument)?;
+    // SAFETY: the caller's promise and the checks.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), length) })
+}
+
+/// A single place of C to write to.
+///
+/// # Safety
+/// As [`slice_mut`].
+unsafe fn place<'a, T>(pointer: *mut T, argument: &'static str) -> Result<&'a mut MaybeUninit<T>, FmiError> {
+    // SAFETY: the caller's promise.
+    let place = unsafe { slice_mut((pointer, 1), argument) }?;
+    Ok(&mut place[0])
+}
+
+fn check_array<T>(pointer: *const T, length: usize, argument: &'static str) -> Result<(), FmiError> {
+    if pointer.is_null() || !pointer.is_aligned() {
+        return Err(FmiError::Pointer { argument });
+    }
+    let greatest = isize::MAX as usize / size_of::<T>();
+    if length > greatest {
+        return Err(FmiError::Length { argument, given: length, wanted: format!("at most {greatest}") });
+    }
+    Ok(())
+}
+
+/// A string of C, if there is one.
+///
+/// # Safety
+/// `pointer` is NULL or a C string.
+unsafe fn text(pointer: *const c_char) -> Option<String> {
+    // SAFETY: the caller's promise.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
+}
+
+/// A message as C wants it. `#` starts a reference to a variable in log messages of both versions; doubled it is itself.
+fn message_for_c(message: &str) -> CString {
+    CString::new(message.replace('\0', "").replace('#', "##")).unwrap_or_default()
+}

@@ -1,0 +1,303 @@
+//! What a variable of an FMU is. One table of [`Row`]s per model (`models/`) is the only place where a name, a unit or
+//! a start value stands; value references, both XML files, the documentation and every check follow from it.
+
+/// One variable of the table. A shape other than [`Shape::Scalar`] stands for several scalars with consecutive value
+/// references: importers know scalars, so scalars are what both FMI versions show.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Value reference of the first scalar. Never changed once released, never used again for something else.
+    pub first: u32,
+    /// Name as in the contract, without the suffixes of the shape.
+    pub name: &'static str,
+    /// How many scalars, and how they are called.
+    pub shape: Shape,
+    /// Type of each scalar.
+    pub kind: Kind,
+    /// Who gives the value.
+    pub causality: Causality,
+    /// When the value may change.
+    pub variability: Variability,
+    /// Unit of each scalar; poses and their rates have units of their own, see [`Row::unit_of`].
+    pub unit: Option<&'static Unit>,
+    /// Start values: none (calculated), one for all scalars, or one each.
+    pub start: &'static [f64],
+    /// Least value that makes sense.
+    pub min: Option<f64>,
+    /// Greatest value that makes sense.
+    pub max: Option<f64>,
+    /// A typical magnitude.
+    pub nominal: Option<f64>,
+    /// One sentence for the reader.
+    pub description: &'static str,
+    /// Outputs: the rows that influence the value in Initialization Mode. In a step no output depends directly on an
+    /// input, since outputs change in a step only.
+    pub depends_on: &'static [&'static Row],
+}
+
+/// How a row unfolds into scalars.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// One scalar with the row's own name.
+    Scalar,
+    /// `.x .y .z`
+    Vector,
+    /// `.x .y .z .roll .pitch .yaw` in m and rad.
+    Pose,
+    /// The rates of a pose, in m/s and rad/s.
+    PoseRate,
+    /// `[1]` to `[6]`, one a cable.
+    Cables,
+}
+
+/// Type of a scalar. Every one of them is stored exactly in an `f64`.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// FMI 3 Float64, FMI 2 Real.
+    Float64,
+    /// FMI 3 Int32, FMI 2 Integer.
+    Int32,
+    /// Stored as 0 or 1.
+    Boolean,
+    /// Numbers with names; FMI 3 reads them as Int64, FMI 2 as Integer.
+    Enumeration(&'static Enumeration),
+}
+
+/// An enumeration type.
+#[derive(Debug)]
+pub struct Enumeration {
+    /// Name of the type.
+    pub name: &'static str,
+    /// What is enumerated.
+    pub description: &'static str,
+    /// Name and meaning; the first item has the number 1.
+    pub items: &'static [(&'static str, &'static str)],
+}
+
+/// Who gives the value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// The time.
+    Independent,
+    /// The user, before the run.
+    Parameter,
+    /// The rest of the simulation.
+    Input,
+    /// This model.
+    Output,
+}
+
+/// When the value may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variability {
+    /// Not after initialisation.
+    Fixed,
+    /// In jumps.
+    Discrete,
+    /// At any time.
+    Continuous,
+}
+
+/// A unit as exponents of SI base units.
+#[derive(Debug, PartialEq)]
+pub struct Unit {
+    /// As written in the XML.
+    pub name: &'static str,
+    /// Exponents of the base units that are not zero.
+    pub base: &'static [(&'static str, i32)],
+    /// What a person rather reads, and what one unit is in it.
+    pub display: Option<(&'static str, f64)>,
+}
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// Units in use.
+pub mod units {
+    use super::{DEGREES, Unit};
+
+    const fn unit(name: &'static str, base: &'static [(&'static str, i32)]) -> Unit {
+        Unit { name, base, display: None }
+    }
+
+    /// Time.
+    pub const SECOND: Unit = unit("s", &[("s", 1)]);
+    /// Rate.
+    pub const PER_SECOND: Unit = unit("1/s", &[("s", -1)]);
+    /// Length.
+    pub const METRE: Unit = unit("m", &[("m", 1)]);
+    /// Speed.
+    pub const METRE_PER_SECOND: Unit = unit("m/s", &[("m", 1), ("s", -1)]);
+    /// Acceleration.
+    pub const METRE_PER_SECOND2: Unit = unit("m/s2", &[("m", 1), ("s", -2)]);
+    /// Angle.
+    pub const RADIAN: Unit = Unit { display: Some(("deg", DEGREES)), ..unit("rad", &[("rad", 1)]) };
+    /// Angular speed.
+    pub const RADIAN_PER_SECOND: Unit =
+        Unit { display: Some(("deg/s", DEGREES)), ..unit("rad/s", &[("s", -1), ("rad", 1)]) };
+    /// Mass.
+    pub const KILOGRAM: Unit = unit("kg", &[("kg", 1)]);
+    /// Moment of inertia.
+    pub const KILOGRAM_METRE2: Unit = unit("kg.m2", &[("kg", 1), ("m", 2)]);
+    /// Force.
+    pub const NEWTON: Unit = unit("N", &[("kg", 1), ("m", 1), ("s", -2)]);
+    /// Torque.
+    pub const NEWTON_METRE: Unit = unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]);
+}
+
+/// A real parameter, fixed once the simulation runs.
+pub const fn parameter(
+    first: u32,
+    name: &'static str,
+    unit: &'static Unit,
+    start: &'static [f64],
+    description: &'static str,
+) -> Row {
+    Row {
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        start,
+        ..output(first, name, Shape::Scalar, Some(unit), &[], description)
+    }
+}
+
+/// A parameter without unit, fixed once the simulation runs.
+pub const fn setting(
+    first: u32,
+    name: &'static str,
+    kind: Kind,
+    start: &'static [f64],
+    description: &'static str,
+) -> Row {
+    Row {
+        kind,
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        start,
+        ..output(first, name, Shape::Scalar, None, &[], description)
+    }
+}
+
+/// A real input.
+pub const fn input(
+    first: u32,
+    name: &'static str,
+    shape: Shape,
+    unit: Option<&'static Unit>,
+    start: &'static [f64],
+    description: &'static str,
+) -> Row {
+    Row { causality: Causality::Input, start, ..output(first, name, shape, unit, &[], description) }
+}
+
+/// A real output.
+pub const fn output(
+    first: u32,
+    name: &'static str,
+    shape: Shape,
+    unit: Option<&'static Unit>,
+    depends_on: &'static [&'static Row],
+    description: &'static str,
+) -> Row {
+    Row {
+        first,
+        name,
+        shape,
+        kind: Kind::Float64,
+        causality: Causality::Output,
+        variability: Variability::Continuous,
+        unit,
+        start: &[],
+        min: None,
+        max: None,
+        nominal: None,
+        description,
+        depends_on,
+    }
+}
+
+impl Row {
+    /// Value references of the row's scalars.
+    pub fn references(&self) -> std::ops::Range<u32> {
+        self.first..self.first + self.shape.suffixes().len() as u32
+    }
+
+    /// Full name of the scalar with this value reference.
+    pub fn scalar_name(&self, reference: u32) -> String {
+        format!("{}{}", self.name, self.shape.suffixes()[(reference - self.first) as usize])
+    }
+
+    /// Start value of the scalar with this value reference; outputs have none.
+    pub fn start_of(&self, reference: u32) -> Option<f64> {
+        match self.start {
+            [one] => Some(*one),
+            each => each.get((reference - self.first) as usize).copied(),
+        }
+    }
+
+    /// Unit of the scalar with this value reference.
+    pub fn unit_of(&self, reference: u32) -> Option<&'static Unit> {
+        let is_angle = reference - self.first >= 3;
+        match (self.shape, is_angle) {
+            (Shape::Pose, false) => Some(&units::METRE),
+            (Shape::Pose, true) => Some(&units::RADIAN),
+            (Shape::PoseRate, false) => Some(&units::METRE_PER_SECOND),
+            (Shape::PoseRate, true) => Some(&units::RADIAN_PER_SECOND),
+            _ => self.unit,
+        }
+    }
+
+    /// `exact` where a start value is the value, `calculated` for outputs; inputs and time have none in the XML.
+    pub fn initial(&self) -> Option<&'static str> {
+        match self.causality {
+            Causality::Parameter => Some("exact"),
+            Causality::Output => Some("calculated"),
+            Causality::Input | Causality::Independent => None,
+        }
+    }
+}
+
+impl Shape {
+    /// What each scalar's name ends in.
+    pub fn suffixes(self) -> &'static [&'static str] {
+        match self {
+            Shape::Scalar => &[""],
+            Shape::Vector => &[".x", ".y", ".z"],
+            Shape::Pose | Shape::PoseRate => &[".x", ".y", ".z", ".roll", ".pitch", ".yaw"],
+            Shape::Cables => &["[1]", "[2]", "[3]", "[4]", "[5]", "[6]"],
+        }
+    }
+}
+
+impl Kind {
+    /// The type's name in FMI 3.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Float64 => "Float64",
+            Kind::Int32 => "Int32",
+            Kind::Boolean => "Boolean",
+            Kind::Enumeration(_) => "Enumeration",
+        }
+    }
+}
+
+impl Causality {
+    /// As in the XML.
+    pub fn name(self) -> &'static str {
+        match self {
+            Causality::Independent => "independent",
+            Causality::Parameter => "parameter",
+            Causality::Input => "input",
+            Causality::Output => "output",
+        }
+    }
+}
+
+impl Variability {
+    /// As in the XML.
+    pub fn name(self) -> &'static str {
+        match self {
+            Variability::Fixed => "fixed",
+            Variability::Discrete => "discrete",
+            Variability::Continuous => "continuous",
+        }
+    }
+}
