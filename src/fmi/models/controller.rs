@@ -4,7 +4,7 @@ use super::robot::{A, B, G, I1, I2, I3, M, REST_LENGTH, REST_TENSION, TIME, para
 use crate::fmi::values::Values;
 use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, SECOND};
 use crate::fmi::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
-use crate::plan::controller::{
+use crate::plan::{
     Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource,
 };
 use crate::robot::ParameterError;
