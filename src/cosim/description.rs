@@ -1,5 +1,7 @@
 //! `modelDescription.xml`: what an FMU says of itself.
 
+use std::fmt;
+
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
@@ -12,6 +14,15 @@ pub enum FmiVersion {
     V2,
     /// FMI 3.0.x.
     V3,
+}
+
+impl fmt::Display for FmiVersion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::V2 => "FMI 2.0".fmt(f),
+            Self::V3 => "FMI 3.0".fmt(f),
+        }
+    }
 }
 
 /// Type of a variable, in the names of FMI 3; FMI 2's `Real` is `Float64`, its `Integer` is `Int32`.
@@ -286,7 +297,7 @@ fn required(element: &BytesStart, attribute: &str) -> Result<String, String> {
 }
 
 fn optional(element: &BytesStart, attribute: &str) -> Result<Option<String>, String> {
-    let told = |e: &dyn std::fmt::Display| format!("<{}> {attribute}: {e}", element.name().as_ref());
+    let told = |e: &dyn fmt::Display| format!("<{}> {attribute}: {e}", element.name().as_ref());
     let Some(found) = element.try_get_attribute(attribute).map_err(|e| told(&e))? else { return Ok(None) };
     let value = found.normalized_value(XmlVersion::Implicit1_0).map_err(|e| told(&e))?;
     Ok(Some(value.into_owned()))

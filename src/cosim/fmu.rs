@@ -129,7 +129,7 @@ fn load(fmu: String, folder: &Path, description: &ModelDescription) -> Result<Li
 }
 
 /// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3.
-fn platform(version: FmiVersion) -> String {
+pub fn platform(version: FmiVersion) -> String {
     match (version, OS) {
         (FmiVersion::V2, "macos") => "darwin64".to_owned(),
         (FmiVersion::V2, "windows") => format!("win{}", usize::BITS),

@@ -17,7 +17,7 @@ mod value;
 
 pub use description::{Causality, FmiVersion, ModelDescription, Variable, VariableType};
 pub use error::CosimError;
-pub use fmu::Fmu;
+pub use fmu::{Fmu, platform};
 pub use instance::{Instance, State};
 pub use log::{LogCallback, LogMessage, Status};
 pub use master::Master;

@@ -45,7 +45,7 @@ pub enum FmiError {
     #[error("{name} cannot be set in the state {state}: {allowed}")]
     NotSettable { name: String, state: State, allowed: &'static str },
     #[error("{name} = {value} is not allowed: {allowed}")]
-    OutOfRange { name: String, value: f64, allowed: String },
+    BadValue { name: String, value: f64, allowed: String },
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error("{name} cannot be read yet: {why}")]
@@ -69,22 +69,16 @@ pub enum FmiError {
 }
 
 impl FmiError {
-    /// A value outside of its row's range, or not of its row's type.
-    pub fn out_of_range(row: &Row, reference: u32, value: f64) -> Self {
-        let allowed = match (row.kind, row.min, row.max) {
-            (Kind::Enumeration(kind), ..) => kind
-                .items
-                .iter()
-                .enumerate()
-                .map(|(i, (name, _))| format!("{} ({name})", i + 1))
-                .collect::<Vec<_>>()
-                .join(", "),
-            (_, Some(min), Some(max)) => format!("at least {min} and at most {max}"),
-            (_, Some(min), None) => format!("at least {min}"),
-            (_, None, Some(max)) => format!("at most {max}"),
-            (_, None, None) => "a finite number".to_owned(),
+    /// A value that is none of its row's type.
+    pub fn bad_value(row: &Row, reference: u32, value: f64) -> Self {
+        let allowed = match row.kind {
+            Kind::Enumeration(kind) => {
+                let items = kind.items.iter().enumerate();
+                items.map(|(i, (name, _))| format!("{} ({name})", i + 1)).collect::<Vec<_>>().join(", ")
+            }
+            _ => "a finite number".to_owned(),
         };
-        Self::OutOfRange { name: row.scalar_name(reference), value, allowed }
+        Self::BadValue { name: row.scalar_name(reference), value, allowed }
     }
 
     /// The status that the standard has for this.

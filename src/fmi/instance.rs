@@ -71,7 +71,7 @@ impl Instance {
     /// Initialization Mode -> Step Mode: checks the parameters and starts the model.
     ///
     /// # Errors
-    /// [`FmiError::Parameter`] or [`FmiError::OutOfRange`] naming the parameter that makes no sense.
+    /// [`FmiError::Parameter`] naming the parameter that makes no sense.
     pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
         self.now.start()?;
         self.now.state = State::StepMode;
@@ -268,23 +268,13 @@ impl Instance {
     }
 }
 
-/// Numbers are finite always; enumerations have an item for them. Ranges of parameters are checked when
+/// Numbers are finite always; enumerations have an item for them. Ranges of parameters are checked by the model when
 /// initialisation ends, since they may be set in any order.
 fn check_value(row: &Row, reference: u32, value: f64) -> Result<(), FmiError> {
-    let ok = match row.kind {
-        Kind::Enumeration(kind) => (1.0..=kind.items.len() as f64).contains(&value),
-        Kind::Float64 | Kind::Int32 | Kind::Boolean => value.is_finite(),
-    };
-    if ok {
-        return Ok(());
-    }
     match row.kind {
-        Kind::Enumeration(_) => Err(FmiError::out_of_range(row, reference, value)),
-        _ => Err(FmiError::OutOfRange {
-            name: row.scalar_name(reference),
-            value,
-            allowed: "a finite number".to_owned(),
-        }),
+        Kind::Enumeration(kind) if (1.0..=kind.items.len() as f64).contains(&value) => Ok(()),
+        Kind::Float64 | Kind::Int32 | Kind::Boolean if value.is_finite() => Ok(()),
+        _ => Err(FmiError::bad_value(row, reference, value)),
     }
 }
 

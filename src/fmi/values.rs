@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::variables::{Kind, Row};
+use super::variables::{Causality, Kind, Row};
 use crate::robot::{Coordinates, PerCable, Pose};
 
 /// All values of one instance, indexed by value reference. Gaps between rows are unused.
@@ -23,9 +23,10 @@ impl Values {
         values
     }
 
-    /// Whether this can be the values of a table: the right number of them, and all finite.
+    /// Whether this can be the values of a table: the right number of them, and finite where they were set.
     pub fn fits(&self, rows: &[&Row]) -> bool {
-        self.0.len() == Self::new(rows).0.len() && self.0.iter().all(|value| value.is_finite())
+        let mut set = rows.iter().filter(|row| row.causality != Causality::Output).flat_map(|row| row.references());
+        self.0.len() == Self::new(rows).0.len() && set.all(|reference| self.at(reference).is_finite())
     }
 
     /// The value behind a reference of the table.

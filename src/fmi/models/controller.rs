@@ -39,16 +39,23 @@ pub const STATUS_TYPE: Enumeration = Enumeration {
     ],
 };
 
-const LAMBDA: Row =
-    Row { min: Some(0.0), ..parameter(8, "lambda", &PER_SECOND, &[3.0], "Gain lambda of Eq. (2), Table II") };
-const ETA: Row =
-    Row { min: Some(0.0), ..parameter(9, "eta", &PER_SECOND, &[3.0], "Gain eta of Eq. (4), Table II") };
+const LAMBDA: Row = Row {
+    min: Some(0.0),
+    max: Some(1000.0),
+    ..parameter(8, "lambda", &PER_SECOND, &[3.0], "Gain lambda of Eq. (2), Table II")
+};
+const ETA: Row = Row {
+    min: Some(0.0),
+    max: Some(1000.0),
+    ..parameter(9, "eta", &PER_SECOND, &[3.0], "Gain eta of Eq. (4), Table II")
+};
 const PLANNER_PERIOD: Row = Row {
     min: Some(0.0),
     ..parameter(10, "plannerPeriod", &SECOND, &[0.05], "Time T_s between two decisions of the planner")
 };
 const BISECTION_STEPS: Row = Row {
     min: Some(1.0),
+    max: Some(52.0),
     ..setting(
         11,
         "bisectionSteps",
@@ -92,17 +99,14 @@ const ENCODER_POSE: Row = input(
     &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
     "Measured pose of the platform",
 );
-const CABLE_LENGTH: Row = Row {
-    min: Some(0.0),
-    ..input(
-        106,
-        "cableLength",
-        Shape::Cables,
-        Some(&METRE),
-        &[REST_LENGTH],
-        "Measured cable length, used when poseSource = CableLengths",
-    )
-};
+const CABLE_LENGTH: Row = input(
+    106,
+    "cableLength",
+    Shape::Cables,
+    Some(&METRE),
+    &[REST_LENGTH],
+    "Measured cable length, used when poseSource = CableLengths",
+);
 const MEASURED_TENSION: Row = Row {
     nominal: Some(10.0),
     ..input(
@@ -133,29 +137,12 @@ const ENABLE: Row = Row {
 
 /// What the measured pose follows from.
 const MEASUREMENT: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH];
-/// All that a decision of the planner and the law at the start follow from.
-const EVERYTHING: &[&Row] = &[
-    &A,
-    &B,
-    &M,
-    &I1,
-    &I2,
-    &I3,
-    &G,
-    &LAMBDA,
-    &ETA,
-    &BISECTION_STEPS,
-    &MIN_TENSION,
-    &MAX_TENSION,
-    &PLANNER,
-    &POSE_SOURCE,
-    &FORCE_LOOP,
-    &ENCODER_POSE,
-    &CABLE_LENGTH,
-    &MEASURED_TENSION,
-    &GOAL_POSE,
-    &ENABLE,
-];
+/// What mode and set point follow from: the controller starts where the robot is.
+const MODE: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
+const MODE_AND_GOAL: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &GOAL_POSE, &ENABLE];
+/// What the tensions follow from: at rest at the set point the law (4) holds the weight, whatever its gains.
+const WEIGHT: &[&Row] =
+    &[&A, &B, &M, &G, &MIN_TENSION, &MAX_TENSION, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
 
 const MOTOR_TENSION: Row = Row {
     nominal: Some(10.0),
@@ -164,13 +151,13 @@ const MOTOR_TENSION: Row = Row {
         "motorTension",
         Shape::Cables,
         Some(&NEWTON),
-        EVERYTHING,
+        WEIGHT,
         "What the motor of the cable shall pull",
     )
 };
 const SET_POINT: Row = Row {
     variability: Variability::Discrete,
-    ..output(206, "setPoint", Shape::Pose, None, EVERYTHING, "The active set point x_d")
+    ..output(206, "setPoint", Shape::Pose, None, MODE, "The active set point x_d")
 };
 const SET_POINT_INDEX: Row = Row {
     kind: Kind::Int32,
@@ -180,7 +167,7 @@ const SET_POINT_INDEX: Row = Row {
         "setPointIndex",
         Shape::Scalar,
         None,
-        EVERYTHING,
+        &[],
         "Number of the active set point; 0 is the pose at which the controller was enabled",
     )
 };
@@ -191,18 +178,18 @@ const ESTIMATED_VELOCITY: Row = output(
     "estimatedVelocity",
     Shape::PoseRate,
     None,
-    MEASUREMENT,
+    &[],
     "Estimate of the rates of the six coordinates of the pose",
 );
 const STEADY: Row = Row {
     kind: Kind::Boolean,
     variability: Variability::Discrete,
-    ..output(225, "steady", Shape::Scalar, None, EVERYTHING, "At rest at the active set point")
+    ..output(225, "steady", Shape::Scalar, None, MODE, "At rest at the active set point")
 };
 const AT_GOAL: Row = Row {
     kind: Kind::Boolean,
     variability: Variability::Discrete,
-    ..output(226, "atGoal", Shape::Scalar, None, EVERYTHING, "At rest at the goal")
+    ..output(226, "atGoal", Shape::Scalar, None, MODE_AND_GOAL, "At rest at the goal")
 };
 const TENSION_MARGIN: Row = Row {
     nominal: Some(10.0),
@@ -211,14 +198,14 @@ const TENSION_MARGIN: Row = Row {
         "tensionMargin",
         Shape::Scalar,
         Some(&NEWTON),
-        EVERYTHING,
+        WEIGHT,
         "Smallest tension of any cable predicted from now on",
     )
 };
 const STATUS: Row = Row {
     kind: Kind::Enumeration(&STATUS_TYPE),
     variability: Variability::Discrete,
-    ..output(228, "status", Shape::Scalar, None, EVERYTHING, "What the controller is doing")
+    ..output(228, "status", Shape::Scalar, None, MODE_AND_GOAL, "What the controller is doing")
 };
 
 /// The table, in ascending order of value references.

@@ -100,27 +100,14 @@ impl Model {
     /// Starts the model with the parameters and inputs in `values`, and writes its first outputs there.
     ///
     /// # Errors
-    /// [`FmiError::Parameter`] or [`FmiError::OutOfRange`] naming the first parameter that makes no sense.
+    /// [`FmiError::Parameter`] naming the first parameter that makes no sense.
     pub fn start(self, values: &mut Values, time: f64) -> Result<Running, FmiError> {
-        self.check_range_of_parameters(values)?;
         let running = match self {
             Model::Controller => Running::Controller(controller::start(values, time)?),
             Model::Plant => Running::Plant(plant::start(values)?),
         };
         running.write_outputs(values);
         Ok(running)
-    }
-
-    fn check_range_of_parameters(self, values: &Values) -> Result<(), FmiError> {
-        for row in self.rows_with(Causality::Parameter) {
-            for reference in row.references() {
-                let value = values.at(reference);
-                if row.min.is_some_and(|min| value < min) || row.max.is_some_and(|max| value > max) {
-                    return Err(FmiError::out_of_range(row, reference, value));
-                }
-            }
-        }
-        Ok(())
     }
 
     /// What is allowed and yet worth a word.
@@ -168,7 +155,10 @@ impl Running {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
+    use crate::fmi::variables::Kind;
 
     #[test]
     fn value_references_ascend_without_overlap() {
@@ -196,6 +186,121 @@ mod tests {
             let wanted = matches!(row.causality, Causality::Parameter | Causality::Input);
             let each = row.references().all(|reference| row.start_of(reference).is_some());
             assert_eq!(each, wanted, "{}", row.name);
+        }
+    }
+
+    /// What the domain refuses and what the table says are two statements of one fact.
+    #[test]
+    fn parameters_beyond_their_range_do_not_start() {
+        for model in MODELS {
+            for row in model.rows_with(Causality::Parameter) {
+                for bad in row.min.map(|min| min - 1.0).into_iter().chain(row.max.map(|max| max + 1.0)) {
+                    let mut values = Values::new(model.rows());
+                    values.put(row.first, bad);
+                    let message = model.start(&mut values, 0.0).unwrap_err().to_string();
+                    assert!(message.contains(&format!("{} = {bad}", row.name)), "{message}");
+                }
+            }
+        }
+    }
+
+    /// Start values from which every dependency shows: the ordinary start, the other settings, bad measurements.
+    fn points(model: Model) -> Vec<Values> {
+        let start = Values::new(model.rows());
+        const LOW: [(&str, f64); 8] = [
+            ("poseSource", 2.0),
+            ("encoderPose.z", 0.15),
+            ("cableLength[1]", 0.47),
+            ("cableLength[2]", 0.47),
+            ("cableLength[3]", 0.47),
+            ("cableLength[4]", 0.47),
+            ("cableLength[5]", 0.47),
+            ("cableLength[6]", 0.47),
+        ];
+        let settings: &[&[(&str, f64)]] = match model {
+            Model::Controller => &[
+                &[],
+                &[("enable", 0.0)],
+                &[("enable", 0.0), ("minTension", 2.0)],
+                &[("poseSource", 2.0)],
+                &[("poseSource", 2.0), ("encoderPose.x", 0.02)],
+                &[("poseSource", 2.0), ("cableLength[1]", 0.1), ("maxTension", 5.0)],
+                &LOW,
+                &[("forceLoop", 1.0)],
+                &[("encoderPose.z", -1.0)],
+                &[("minTension", 15.0)],
+                &[("maxTension", 5.0)],
+            ],
+            Model::Plant => &[
+                &[],
+                &[("encoderResolution", 1e-3)],
+                &[("loadCellNoise", 0.1)],
+                &[("friction", 1.0), ("motorLag", 0.1)],
+                &[("initialPose.x", 0.1), ("initialPose.roll", 0.1)],
+            ],
+        };
+        let with = |changes: &&[(&str, f64)]| {
+            let mut values = start.clone();
+            changes.iter().for_each(|(name, value)| values.put(reference(model, name), *value));
+            values
+        };
+        settings.iter().map(with).collect()
+    }
+
+    fn reference(model: Model, name: &str) -> u32 {
+        let mut all =
+            model.rows().iter().flat_map(|row| row.references().map(move |i| (row.scalar_name(i), i)));
+        all.find(|(known, _)| known == name).unwrap().1
+    }
+
+    /// (name of an output row, name of a row it was seen to depend on at the start), by changing one value at a time.
+    fn observed(model: Model) -> BTreeSet<(&'static str, &'static str)> {
+        let mut found = BTreeSet::new();
+        for point in points(model) {
+            let mut before = point.clone();
+            model.start(&mut before, 0.0).unwrap();
+            for known in model.rows().iter().filter(|row| row.causality != Causality::Output) {
+                for reference in known.references() {
+                    for value in others(known, point.at(reference)) {
+                        let mut after = point.clone();
+                        after.put(reference, value);
+                        if model.start(&mut after, 0.0).is_ok() {
+                            let outputs = model.rows_with(Causality::Output);
+                            let changed =
+                                outputs.filter(|row| row.references().any(|i| before.at(i) != after.at(i)));
+                            found.extend(changed.map(|row| (row.name, known.name)));
+                        }
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    fn others(row: &Row, value: f64) -> Vec<f64> {
+        match row.kind {
+            Kind::Float64 => vec![value * 1.001 + 1e-4, value - 1e-3, 0.3 * value, -value, 0.0, 20.0],
+            Kind::Int32 => vec![value + 1.0],
+            Kind::Boolean => vec![1.0 - value],
+            Kind::Enumeration(kind) => (1..=kind.items.len()).map(|item| item as f64).collect(),
+        }
+    }
+
+    #[test]
+    fn outputs_depend_at_the_start_on_exactly_what_the_table_says() {
+        for model in MODELS {
+            let outputs = model.rows_with(Causality::Output);
+            let declared: BTreeSet<_> =
+                outputs.flat_map(|row| row.depends_on.iter().map(|known| (row.name, known.name))).collect();
+            let observed = observed(model);
+            let (missing, false_ones): (Vec<_>, Vec<_>) =
+                (observed.difference(&declared).collect(), declared.difference(&observed).collect());
+            assert_eq!(
+                (missing, false_ones),
+                (vec![], vec![]),
+                "(missing, never seen) in {}",
+                model.identifier()
+            );
         }
     }
 

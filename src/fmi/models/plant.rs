@@ -78,7 +78,7 @@ const DISTURBANCE_TORQUE: Row = input(
 );
 
 const POSE: &[&Row] = &[&A, &B, &INITIAL_POSE, &ENCODER_RESOLUTION];
-const TENSION: &[&Row] = &[&A, &B, &INITIAL_POSE, &FRICTION, &LOAD_CELL_NOISE, &NOISE_SEED, &MOTOR_TENSION];
+const TENSION: &[&Row] = &[&LOAD_CELL_NOISE, &NOISE_SEED, &MOTOR_TENSION];
 
 const ENCODER_POSE: Row =
     output(200, "encoderPose", Shape::Pose, None, POSE, "Pose of the platform as the encoders see it");
@@ -114,7 +114,7 @@ const MEASURED_TENSION: Row = Row {
 const SLACK: Row = Row {
     kind: Kind::Boolean,
     variability: Variability::Discrete,
-    ..output(224, "slack", Shape::Cables, None, TENSION, "Whether the cable pulls with nothing")
+    ..output(224, "slack", Shape::Cables, None, &[&MOTOR_TENSION], "Whether the cable pulls with nothing")
 };
 
 /// The table, in ascending order of value references.
