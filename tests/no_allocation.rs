@@ -11,7 +11,8 @@ use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
 use cable_robot::fmi::abi::{fmi3::*, fmi3_values::*};
-use cable_robot::fmi::models::{CONTROLLER, PLANT};
+use cable_robot::fmi::models::MODELS;
+use cable_robot::fmi::variables::Causality;
 use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::Pose;
 use cable_robot::sim::PlantParameters;
@@ -56,7 +57,7 @@ fn steps_of_the_library_allocate_nothing() {
 
 #[test]
 fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
-    for model in [CONTROLLER, PLANT] {
+    for model in MODELS {
         let token = CString::new(model.token()).unwrap();
         let before = BYTES.get();
         unsafe {
@@ -80,7 +81,7 @@ fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
             println!("{}: {bytes} bytes an instance", model.identifier());
             assert!(bytes < 256 * 1024);
 
-            let reference = [model.rows()[1].reference];
+            let reference = [model.rows_with(Causality::Output).next().unwrap().first];
             let mut value = [0.0];
             let before = CALLS.get();
             for k in 0..1000 {
