@@ -41,7 +41,7 @@ pub fn run(version: FmiVersion) -> Result<()> {
     closed_loop.recorder().write_csv(&folder.join("run.csv"))?;
     let workspace = vertices(&static_workspace(&RobotParameters::default()));
     let domains = reachable_domains(&summary);
-    let title = "From (0, 0, 1) to (0.15, 0.15, 1) with no slack cable";
+    let title = "Cable robot: from (0, 0, 1) to (0.15, 0.15, 1)";
     let report =
         Report { title, settings: &settings(version), run: &run, workspace: &workspace, domains: &domains };
     let path = folder.join("report.html");
