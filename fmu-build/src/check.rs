@@ -35,7 +35,8 @@ fn declared(version: &str, export: &str) -> Result<BTreeSet<String>> {
     let header = project_root().join(format!("fmi-headers/{version}/fmi{}Functions.h", &version[..1]));
     let text = fs::read_to_string(&header).with_context(|| format!("cannot read {}", header.display()))?;
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix(export)?.trim().strip_suffix(';'));
-    let names: BTreeSet<_> = lines.filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect();
+    let names: BTreeSet<_> =
+        lines.filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect();
     ensure!(!names.is_empty(), "{} declares nothing with {export}", header.display());
     Ok(names)
 }
