@@ -49,7 +49,8 @@ pub fn packed(path: &Path) -> Result<()> {
     let expected = path.file_stem().context("no file name")?.to_string_lossy();
     let identifier = &fmu.description().model_identifier;
     ensure!(*identifier == expected, "modelIdentifier is {identifier}, the file is called {expected}");
-    let instance = fmu.instantiate("check", Box::new(|message| eprintln!("{message:?}")))?;
+    // What it complains of stands in the error as well.
+    let instance = fmu.instantiate("check", Box::new(|_| {}))?;
     instance.enter_initialization(0.0, None)?;
     starts_agree(&instance)?;
     instance.exit_initialization()?;
