@@ -32,7 +32,8 @@ fn inputs(plant: &Plant, goal: Pose) -> ControllerInputs {
 /// Plant and controller at rest at the paper's start, each pulling what holds it there.
 fn at_rest() -> (Controller, Plant, PlantInputs) {
     let hanging = Plant::new(PlantParameters::default(), &PlantInputs::default()).unwrap();
-    let controller = Controller::new(ControllerParameters::default(), 0.0, &inputs(&hanging, Pose::default())).unwrap();
+    let controller =
+        Controller::new(ControllerParameters::default(), 0.0, &inputs(&hanging, Pose::default())).unwrap();
     let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..Default::default() };
     (controller, Plant::new(PlantParameters::default(), &pull).unwrap(), pull)
 }

@@ -44,7 +44,12 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn steps_of_the_library_allocate_nothing() {
-    let rig = PlantParameters { encoder_resolution: 1e-5, friction: 0.1, load_cell_noise: 0.1, ..Default::default() };
+    let rig = PlantParameters {
+        encoder_resolution: 1e-5,
+        friction: 0.1,
+        load_cell_noise: 0.1,
+        ..Default::default()
+    };
     let parameters = ControllerParameters { force_loop: true, ..Default::default() };
     let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
     let before = CALLS.get();

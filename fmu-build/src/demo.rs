@@ -3,8 +3,9 @@
 use std::fs;
 
 use anyhow::Result;
-use cable_robot::cosim::{FmiVersion, Fmu, Instance, LogMessage, Status};
+use cable_robot::cosim::{Fmu, Instance, LogMessage, Status};
 use cable_robot::fmi::Model;
+use cable_robot::fmi::describe::Version;
 use cable_robot::plan::ControllerParameters;
 use cable_robot::reach::{BoundedDomain, HalfPlane, polygon, static_workspace};
 use cable_robot::report::{ClosedLoop, Report, Summary};
@@ -22,9 +23,10 @@ const STOP: f64 = 12.0;
 const REST: f64 = 1.0;
 
 /// Builds and packs the FMUs, runs them, prints what came of it, writes the CSV file and the report.
-pub fn run(version: FmiVersion) -> Result<()> {
+pub fn run(version: Version) -> Result<()> {
     pack::build()?;
-    let mut closed_loop = ClosedLoop::new(open(Model::Controller, version)?, open(Model::Plant, version)?, GOAL, STEP)?;
+    let mut closed_loop =
+        ClosedLoop::new(open(Model::Controller, version)?, open(Model::Plant, version)?, GOAL, STEP)?;
     let bar = ProgressBar::new((STOP / STEP) as u64);
     bar.set_style(ProgressStyle::with_template("{bar:40} {msg}")?);
     closed_loop.run(STOP, REST, |time| {
@@ -41,7 +43,7 @@ pub fn run(version: FmiVersion) -> Result<()> {
     closed_loop.recorder().write_csv(&folder.join("run.csv"))?;
     let workspace = vertices(&static_workspace(&RobotParameters::default()));
     let domains = reachable_domains(&summary);
-    let title = "From (0, 0, 1) to (0.15, 0.15, 1) with no slack cable";
+    let title = "Cable robot: from (0, 0, 1) to (0.15, 0.15, 1)";
     let report =
         Report { title, settings: &settings(version), run: &run, workspace: &workspace, domains: &domains };
     let path = folder.join("report.html");
@@ -51,7 +53,7 @@ pub fn run(version: FmiVersion) -> Result<()> {
 }
 
 /// An instance of a packed FMU; what it has to say beyond remarks goes to stderr.
-fn open(model: Model, version: FmiVersion) -> Result<Instance> {
+fn open(model: Model, version: Version) -> Result<Instance> {
     let name = match model {
         Model::Controller => "controller",
         Model::Plant => "plant",
@@ -85,11 +87,21 @@ fn print(summary: &Summary) {
 }
 
 /// The first lines of the report's table.
-fn settings(version: FmiVersion) -> Vec<(String, String)> {
+fn settings(version: Version) -> Vec<(String, String)> {
     let ControllerParameters { robot, lambda, eta, planner_period, bisection_steps, .. } = Default::default();
     [
-        ("Models", format!("CableRobotController and CableRobotPlant, {version}, step {} ms", STEP * 1e3)),
-        ("Robot (Table I)", format!("a = {} m, b = {} m, m = {} kg, g = {} m/s²", robot.a, robot.b, robot.m, robot.g)),
+        (
+            "Models",
+            format!(
+                "CableRobotController and CableRobotPlant of target/fmu/{}, step {} ms",
+                version.name(),
+                STEP * 1e3
+            ),
+        ),
+        (
+            "Robot (Table I)",
+            format!("a = {} m, b = {} m, m = {} kg, g = {} m/s²", robot.a, robot.b, robot.m, robot.g),
+        ),
         ("Law (Table I)", format!("λ = {lambda} 1/s, η = {eta} 1/s")),
         ("Planner (Table II)", format!("Eq. (15), T_s = {} ms, N = {bisection_steps}", planner_period * 1e3)),
     ]
@@ -101,7 +113,8 @@ fn settings(version: FmiVersion) -> Vec<(String, String)> {
 fn reachable_domains(summary: &Summary) -> Vec<Vec<[f64; 2]>> {
     let parameters = ControllerParameters::default();
     let points = summary.set_points.iter().take(summary.set_points.len().saturating_sub(1));
-    let domain = |[x, y, z]: [f64; 3]| BoundedDomain::new(&parameters.robot, &parameters.gains(), [x, y].into(), z);
+    let domain =
+        |[x, y, z]: [f64; 3]| BoundedDomain::new(&parameters.robot, &parameters.gains(), [x, y].into(), z);
     points.map(|point| vertices(&domain(point.position).half_planes())).collect()
 }
 

@@ -7,7 +7,7 @@ mod library;
 mod pack;
 mod verify;
 
-use cable_robot::cosim::FmiVersion;
+use cable_robot::fmi::describe::Version;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
@@ -54,9 +54,9 @@ fn main() -> anyhow::Result<()> {
             }
             Ok(())
         }
-        Task::Fmu(FmuTask::Describe) => describe::run(),
-        Task::Demo { fmi: 2 } => demo::run(FmiVersion::V2),
-        Task::Demo { .. } => demo::run(FmiVersion::V3),
+        Task::Fmu(FmuTask::Describe) => pack::describe(),
+        Task::Demo { fmi: 2 } => demo::run(Version::Fmi2),
+        Task::Demo { .. } => demo::run(Version::Fmi3),
         Task::Verify => verify::verify(),
         Task::Bindings { check } => bindings::run(check),
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use cable_robot::cosim::{FmiVersion, platform};
-use cable_robot::fmi::describe::shipped_files;
+use cable_robot::fmi::describe::{VERSIONS, Version, checked_in, shipped_files};
 use cable_robot::fmi::{MODELS, Model};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -20,7 +20,7 @@ pub fn build() -> Result<Vec<PathBuf>> {
     check::exports(&library)?;
     let library = fs::read(&library).with_context(|| format!("cannot read {}", library.display()))?;
     let mut packed = vec![];
-    for version in [FmiVersion::V2, FmiVersion::V3] {
+    for version in VERSIONS {
         for model in MODELS {
             let path = path(model, version);
             pack(&path, contents(model, version, library.clone()))
@@ -32,24 +32,30 @@ pub fn build() -> Result<Vec<PathBuf>> {
     Ok(packed)
 }
 
+/// Writes what a person may want to read to modelDescription/.
+pub fn describe() -> Result<()> {
+    for (name, bytes) in checked_in() {
+        let path = project_root().join("modelDescription").join(name);
+        fs::create_dir_all(path.parent().context("no folder")?)?;
+        fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
 /// Where an FMU goes.
-pub fn path(model: Model, version: FmiVersion) -> PathBuf {
-    let folder = match version {
-        FmiVersion::V2 => "fmi2",
-        FmiVersion::V3 => "fmi3",
-    };
-    project_root().join("target/fmu").join(folder).join(model.identifier()).with_extension("fmu")
+pub fn path(model: Model, version: Version) -> PathBuf {
+    project_root().join("target/fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
 }
 
 /// Every file of an FMU by its path in the archive: sorted, as they are packed.
-fn contents(model: Model, version: FmiVersion, library: Vec<u8>) -> BTreeMap<String, Vec<u8>> {
+fn contents(model: Model, version: Version, library: Vec<u8>) -> BTreeMap<String, Vec<u8>> {
     let mut files: BTreeMap<_, _> = shipped_files(model, version).into_iter().collect();
-    let binary = format!(
-        "binaries/{}/{}{}",
-        platform(version),
-        model.identifier(),
-        std::env::consts::DLL_SUFFIX
-    );
+    let folder = platform(match version {
+        Version::Fmi2 => FmiVersion::V2,
+        Version::Fmi3 => FmiVersion::V3,
+    });
+    let binary = format!("binaries/{folder}/{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
     files.insert(binary, library);
     files
 }

@@ -28,7 +28,9 @@ type Stage = (&'static str, fn(&Path) -> Result<Outcome>);
 /// In the order of what is quickest to tell.
 const STAGES: [Stage; 7] = [
     ("rustfmt", |root| run(root, "cargo", &["fmt", "--all", "--check"])),
-    ("clippy", |root| run(root, "cargo", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
+    ("clippy", |root| {
+        run(root, "cargo", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
+    }),
     ("documentation", |root| run(root, "cargo", &["doc", "--workspace", "--no-deps", "--quiet"])),
     ("bindings", bindings),
     ("FMUs, packed twice", packed_twice),
@@ -102,7 +104,8 @@ fn run(root: &Path, program: &str, arguments: &[&str]) -> Result<Outcome> {
 
 /// The figure in `test result: ok. 12 passed; 0 failed` of cargo and `12 passed in 3.45s` of pytest.
 fn tests_passed(line: &str) -> usize {
-    let is_summary = line.starts_with("test result:") || line.contains(" passed in ") || line.contains(" passed, ");
+    let is_summary =
+        line.starts_with("test result:") || line.contains(" passed in ") || line.contains(" passed, ");
     let mut words = line.split_whitespace().peekable();
     while let (true, Some(word)) = (is_summary, words.next()) {
         if words.peek().is_some_and(|next| next.trim_end_matches([',', ';']) == "passed") {

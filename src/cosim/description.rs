@@ -16,15 +16,6 @@ pub enum FmiVersion {
     V3,
 }
 
-impl fmt::Display for FmiVersion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::V2 => "FMI 2.0".fmt(f),
-            Self::V3 => "FMI 3.0".fmt(f),
-        }
-    }
-}
-
 /// Type of a variable, in the names of FMI 3; FMI 2's `Real` is `Float64`, its `Integer` is `Int32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the standard's own names")]

@@ -25,7 +25,8 @@ impl Values {
 
     /// Whether this can be the values of a table: the right number of them, and finite where they were set.
     pub fn fits(&self, rows: &[&Row]) -> bool {
-        let mut set = rows.iter().filter(|row| row.causality != Causality::Output).flat_map(|row| row.references());
+        let mut set =
+            rows.iter().filter(|row| row.causality != Causality::Output).flat_map(|row| row.references());
         self.0.len() == Self::new(rows).0.len() && set.all(|reference| self.at(reference).is_finite())
     }
 

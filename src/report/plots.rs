@@ -2,7 +2,7 @@
 
 use plotly::common::{Anchor, DashType, Fill, Line, LineShape, Marker, Mode, Orientation, Position};
 use plotly::configuration::DisplayModeBar;
-use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin};
+use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin, RangeMode};
 use plotly::{Configuration, Plot, Scatter};
 
 use super::{Report, Run, Summary};
@@ -26,10 +26,13 @@ pub(super) fn positions(run: &Run) -> Plot {
         plot.add_trace(set_point.y_axis(axis));
         plot.add_trace(over_time(run, &run.position[k], name, COLOURS[k]).y_axis(axis));
     }
-    let layout = frame("time (s)")
-        .y_axis(Axis::new().title("x (m)").domain(&[0.70, 1.0]))
-        .y_axis2(Axis::new().title("y (m)").domain(&[0.35, 0.65]))
-        .y_axis3(Axis::new().title("z (m)").domain(&[0.0, 0.30]).tick_format(".3f"));
+    let axis = |k: usize, title: &str, domain: [f64; 2]| {
+        Axis::new().title(title).domain(&domain).range(range(&run.position[k], &run.set_point[k]))
+    };
+    let layout = frame("time (s)", "y3")
+        .y_axis(axis(0, "x (m)", [0.70, 1.0]))
+        .y_axis2(axis(1, "y (m)", [0.35, 0.65]))
+        .y_axis3(axis(2, "z (m)", [0.0, 0.30]));
     finish(plot, layout)
 }
 
@@ -41,9 +44,10 @@ pub(super) fn tensions(run: &Run) -> Plot {
     }
     let margin = over_time(run, &run.tension_margin, "margin", GREY);
     plot.add_trace(margin.line(Line::new().color(GREY).shape(LineShape::Hv).width(2.0)).y_axis("y2"));
-    let layout = frame("time (s)")
-        .y_axis(Axis::new().title("tension (N)").domain(&[0.38, 1.0]))
-        .y_axis2(Axis::new().title("margin (N)").domain(&[0.0, 0.28]));
+    let axis = |title: &str| Axis::new().title(title).range_mode(RangeMode::ToZero);
+    let layout = frame("time (s)", "y2")
+        .y_axis(axis("tension (N)").domain(&[0.34, 1.0]))
+        .y_axis2(axis("margin (N)").domain(&[0.0, 0.28]));
     finish(plot, layout)
 }
 
@@ -65,9 +69,11 @@ pub(super) fn plane(report: &Report, summary: &Summary) -> Plot {
     let points = &summary.set_points;
     let [x, y] = [0, 1].map(|k| points.iter().map(|point| rounded(point.position[k])).collect());
     let numbers = (0..points.len()).map(|i| i.to_string()).collect();
+    // The last set points lie close together: every other number goes to the other side.
+    let sides = [Position::TopLeft, Position::BottomRight].into_iter().cycle().take(points.len()).collect();
     let markers = Scatter::new(x, y).mode(Mode::MarkersText).name("set points").text_array(numbers);
-    plot.add_trace(markers.text_position(Position::TopLeft).marker(Marker::new().color(COLOURS[4]).size(9)));
-    let layout = frame("x (m)").y_axis(Axis::new().title("y (m)").scale_anchor("x"));
+    plot.add_trace(markers.text_position_array(sides).marker(Marker::new().color(COLOURS[4]).size(9)));
+    let layout = frame("x (m)", "y").y_axis(Axis::new().title("y (m)").scale_anchor("x"));
     finish(plot, layout.hover_mode(HoverMode::Closest))
 }
 
@@ -75,6 +81,15 @@ pub(super) fn plane(report: &Report, summary: &Summary) -> Plot {
 fn over_time(run: &Run, values: &[f64], name: &str, colour: &'static str) -> Box<Scatter<f64, f64>> {
     let (times, values) = thinned(&run.times, values, DRAWN);
     Scatter::new(times, values).mode(Mode::Lines).name(name).line(Line::new().color(colour).width(2.0))
+}
+
+/// From the least to the greatest of both, at least 2 cm wide: what changes by less is at rest.
+fn range(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let all = || a.iter().chain(b).copied().filter(|value| value.is_finite());
+    let (least, greatest) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    let half = (0.55 * (greatest - least)).max(0.01);
+    let middle = 0.5 * (least + greatest);
+    vec![middle - half, middle + half]
 }
 
 /// A closed outline.
@@ -85,7 +100,8 @@ fn polygon(vertices: &[[f64; 2]], name: &str) -> Box<Scatter<f64, f64>> {
 }
 
 /// What the three layouts share. Colours of text and grid are the page's, see the template.
-fn frame(x_title: &str) -> Layout {
+/// The axis of x stands below the axis `lowest` of y.
+fn frame(x_title: &str, lowest: &str) -> Layout {
     Layout::new()
         .auto_size(true)
         .margin(Margin::new().left(64).right(12).top(8).bottom(48))
@@ -93,13 +109,13 @@ fn frame(x_title: &str) -> Layout {
         .plot_background_color("rgba(0,0,0,0)")
         .hover_mode(HoverMode::XUnified)
         .legend(Legend::new().orientation(Orientation::Horizontal).x(0.0).y(1.02).y_anchor(Anchor::Bottom))
-        .x_axis(Axis::new().title(x_title))
+        .x_axis(Axis::new().title(x_title).anchor(lowest))
 }
 
 fn finish(mut plot: Plot, layout: Layout) -> Plot {
     plot.set_layout(layout);
-    let configuration = Configuration::new().responsive(true).display_logo(false);
-    plot.set_configuration(configuration.display_mode_bar(DisplayModeBar::Hover));
+    // Dragging zooms and a double click goes back; the bar of buttons would hide the legend of a phone.
+    plot.set_configuration(Configuration::new().responsive(true).display_mode_bar(DisplayModeBar::False));
     plot
 }
 

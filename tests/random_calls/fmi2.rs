@@ -78,7 +78,13 @@ unsafe fn sequence(l: &Fmi2Library, callbacks: &fmi2CallbackFunctions, token: &C
     }
 }
 
-unsafe fn call(l: &Fmi2Library, c: *mut c_void, dice: &mut Dice, saved: &mut Vec<fmi2FMUstate>, time: &mut f64) {
+unsafe fn call(
+    l: &Fmi2Library,
+    c: *mut c_void,
+    dice: &mut Dice,
+    saved: &mut Vec<fmi2FMUstate>,
+    time: &mut f64,
+) {
     let references = dice.references();
     let n = references.len();
     let vr = if n == 0 { null() } else { dice.pointer(references.as_ptr()) };
@@ -128,7 +134,8 @@ unsafe fn call(l: &Fmi2Library, c: *mut c_void, dice: &mut Dice, saved: &mut Vec
             24 => {
                 let mut garbage = dice.bytes();
                 let mut state = null_mut();
-                let status = l.fmi2DeSerializeFMUstate(c, garbage.as_mut_ptr().cast(), garbage.len(), &mut state);
+                let status =
+                    l.fmi2DeSerializeFMUstate(c, garbage.as_mut_ptr().cast(), garbage.len(), &mut state);
                 assert!(status != 0 && state.is_null());
                 ("DeSerializeFMUstate", status)
             }

@@ -87,7 +87,13 @@ unsafe fn step(l: &Fmi3Library, c: *mut c_void, time: f64, h: f64) -> u32 {
     }
 }
 
-unsafe fn call(l: &Fmi3Library, c: *mut c_void, dice: &mut Dice, saved: &mut Vec<fmi3FMUState>, time: &mut f64) {
+unsafe fn call(
+    l: &Fmi3Library,
+    c: *mut c_void,
+    dice: &mut Dice,
+    saved: &mut Vec<fmi3FMUState>,
+    time: &mut f64,
+) {
     let references = dice.references();
     let n = references.len();
     let vr = if n == 0 { null() } else { dice.pointer(references.as_ptr()) };
@@ -101,7 +107,14 @@ unsafe fn call(l: &Fmi3Library, c: *mut c_void, dice: &mut Dice, saved: &mut Vec
             0..=3 => {
                 let (start, stop) = if dice.chance(4) { (dice.real(), dice.real()) } else { (0.0, 100.0) };
                 *time = start;
-                let status = l.fmi3EnterInitializationMode(c, dice.chance(2), dice.real(), start, dice.chance(2), stop);
+                let status = l.fmi3EnterInitializationMode(
+                    c,
+                    dice.chance(2),
+                    dice.real(),
+                    start,
+                    dice.chance(2),
+                    stop,
+                );
                 ("EnterInitializationMode", status)
             }
             4..=6 => ("ExitInitializationMode", l.fmi3ExitInitializationMode(c)),
@@ -154,7 +167,17 @@ unsafe fn call(l: &Fmi3Library, c: *mut c_void, dice: &mut Dice, saved: &mut Vec
             }
             26 => {
                 let unknown = references.as_ptr();
-                let status = l.fmi3GetDirectionalDerivative(c, unknown, n, unknown, n, reals.as_ptr(), n, reals.as_mut_ptr(), n);
+                let status = l.fmi3GetDirectionalDerivative(
+                    c,
+                    unknown,
+                    n,
+                    unknown,
+                    n,
+                    reals.as_ptr(),
+                    n,
+                    reals.as_mut_ptr(),
+                    n,
+                );
                 ("GetDirectionalDerivative", status)
             }
             27 => ("SetTime", l.fmi3SetTime(c, dice.real())),

@@ -44,7 +44,8 @@ fn packed(version: u8, model: &str) -> Packed {
         panic!("{}: {error}: run `cargo fmu build` first", path.display());
     });
     let mut archive = zip::ZipArchive::new(file).unwrap();
-    let name = archive.file_names().flatten().find(|name| name.starts_with("binaries/")).unwrap().into_owned();
+    let name =
+        archive.file_names().flatten().find(|name| name.starts_with("binaries/")).unwrap().into_owned();
     let mut library = tempfile::NamedTempFile::new().unwrap();
     std::io::copy(&mut archive.by_name(&name).unwrap(), &mut library).unwrap();
     let mut xml = String::new();

@@ -1,1 +1,114 @@
-//! The XML and the documentation.
+//! What an FMU contains besides the library: XML, documentation, icon and licence, rendered from the variable tables.
+//! What a person may want to read is checked in under `modelDescription/`, and a test fails when it drifts.
+
+mod drawing;
+mod fmi2;
+mod fmi3;
+mod page;
+mod xml;
+
+use super::models::{MODELS, Model};
+
+/// Version of the standard that an FMU follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0
+    Fmi2,
+    /// FMI 3.0
+    Fmi3,
+}
+
+/// Both versions.
+pub const VERSIONS: [Version; 2] = [Version::Fmi2, Version::Fmi3];
+
+const MIT: &str = include_str!("../../../modelDescription/licenses/MIT.txt");
+const APACHE: &str = include_str!("../../../modelDescription/licenses/Apache-2.0.txt");
+const LICENSE: &str = include_str!("../../../modelDescription/licenses/license.txt");
+const ICON: &[u8] = include_bytes!("../../../modelDescription/icon.png");
+const ICON_DRAWING: &str = include_str!("../../../modelDescription/icon.svg");
+
+impl Version {
+    /// Short name, as in the folders of FMUs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "fmi2",
+            Version::Fmi3 => "fmi3",
+        }
+    }
+}
+
+/// modelDescription.xml.
+pub fn model_description(model: Model, version: Version) -> String {
+    match version {
+        Version::Fmi2 => fmi2::model_description(model),
+        Version::Fmi3 => fmi3::model_description(model),
+    }
+}
+
+/// documentation/index.html.
+pub fn documentation(model: Model) -> String {
+    page::render(model)
+}
+
+/// Everything in the FMU but the library: path in the zip file and content.
+pub fn shipped_files(model: Model, version: Version) -> Vec<(String, Vec<u8>)> {
+    let mut files = vec![
+        ("modelDescription.xml", model_description(model, version).into_bytes()),
+        ("documentation/index.html", documentation(model).into_bytes()),
+        ("documentation/licenses/license.txt", LICENSE.into()),
+        ("documentation/licenses/MIT.txt", MIT.into()),
+        ("documentation/licenses/Apache-2.0.txt", APACHE.into()),
+    ];
+    match version {
+        Version::Fmi2 => files.push(("model.png", ICON.into())),
+        Version::Fmi3 => files.extend([
+            ("terminalsAndIcons/icon.png", ICON.into()),
+            ("terminalsAndIcons/icon.svg", ICON_DRAWING.into()),
+            ("terminalsAndIcons/terminalsAndIcons.xml", fmi3::icon_place().into_bytes()),
+        ]),
+    }
+    files.into_iter().map(|(path, content)| (path.to_owned(), content)).collect()
+}
+
+/// What is rendered and checked in: path under `modelDescription/` and content. `cargo fmu describe` writes it.
+pub fn checked_in() -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for model in MODELS {
+        let folder = model.identifier();
+        for version in VERSIONS {
+            let path = format!("{folder}/{}/modelDescription.xml", version.name());
+            files.push((path, model_description(model, version).into_bytes()));
+        }
+        files.push((format!("{folder}/index.html"), documentation(model).into_bytes()));
+    }
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_checked_in_is_what_the_tables_say() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
+        for (path, content) in checked_in() {
+            let there = std::fs::read(folder.join(&path)).unwrap_or_default();
+            assert!(there == content, "modelDescription/{path} has drifted: run `cargo fmu describe`");
+        }
+    }
+
+    #[test]
+    fn both_versions_name_every_scalar_and_the_token() {
+        for model in MODELS {
+            for version in VERSIONS {
+                let text = model_description(model, version);
+                assert!(text.contains(model.token()));
+                for (row, reference) in xml::scalars(model) {
+                    let wanted =
+                        format!("name=\"{}\" valueReference=\"{reference}\"", row.scalar_name(reference));
+                    assert_eq!(text.matches(&wanted).count(), 1, "{wanted}");
+                }
+            }
+        }
+    }
+}

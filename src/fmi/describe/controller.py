@@ -1,0 +1,10 @@
+from fmpy import simulate_fmu
+
+result = simulate_fmu(
+    "CableRobotController.fmu",
+    stop_time=0.2,
+    output_interval=0.001,
+    start_values={"goalPose.x": 0.15, "goalPose.y": 0.15},  # the measured pose stays at (0, 0, 1)
+    output=["setPoint.x", "setPoint.y", "motorTension[5]", "tensionMargin"],
+)
+print(result[::50])

@@ -1,0 +1,159 @@
+//! documentation/index.html: one page that needs nothing from elsewhere.
+
+use quick_xml::escape::escape;
+
+use super::{drawing, xml};
+use crate::fmi::log::CATEGORIES;
+use crate::fmi::models::Model;
+use crate::fmi::variables::{Causality, Row};
+
+const STYLE: &str = include_str!("page.css");
+
+/// The page of a model.
+pub fn render(model: Model) -> String {
+    let name = model.identifier();
+    let parts = [
+        format!("<h1>{name}</h1>\n<p>{}.</p>", escape(model.description())),
+        frame(),
+        first_steps(model),
+        variables(model),
+        statuses(model),
+        behaviour(model),
+        logging(),
+        limits(),
+    ];
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width\">\n<title>{name}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{}\n</body>\n</html>\n",
+        parts.join("\n")
+    )
+}
+
+fn frame() -> String {
+    format!(
+        "<h2>Frame</h2>\n<p>The origin is the centre of the base, x and y lie in its plane, <strong>z points down</strong>: \
+         z = 1 is one metre below the base. Units are SI, angles are in rad (shown in degrees by tools that know display \
+         units). The orientation is R = Rz(yaw) Ry(pitch) Rx(roll). Cables are numbered 1 to 6 as drawn. Cables pull and \
+         never push.</p>\n{}",
+        drawing::robot()
+    )
+}
+
+fn first_steps(model: Model) -> String {
+    let script = match model {
+        Model::Controller => include_str!("controller.py"),
+        Model::Plant => include_str!("plant.py"),
+    };
+    format!(
+        "<h2>First steps in Python</h2>\n<p>With <code>pip install fmpy</code>:</p>\n<pre>{}</pre>",
+        escape(script)
+    )
+}
+
+fn variables(model: Model) -> String {
+    [
+        ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked."),
+        ("Inputs", Causality::Input, "Held during a step."),
+        ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
+    ]
+    .map(|(title, causality, text)| {
+        let rows: String = model.rows_with(causality).map(table_row).collect();
+        format!(
+            "<h2>{title}</h2>\n<p>{text}</p>\n<div class=\"wide\"><table>\n<tr><th>Name</th><th>Type</th><th>Unit</th>\
+             <th>Start</th><th>Range</th><th>Reference</th><th>Meaning</th></tr>\n{rows}</table></div>"
+        )
+    })
+    .join("\n")
+}
+
+fn table_row(row: &Row) -> String {
+    let references = row.references();
+    let span = match references.len() {
+        1 => row.first.to_string(),
+        _ => format!("{} to {}", row.first, references.end - 1),
+    };
+    let range = match (row.min, row.max) {
+        (Some(min), Some(max)) => format!("{min} to {max}"),
+        (Some(min), None) => format!("from {min}"),
+        (None, Some(max)) => format!("up to {max}"),
+        (None, None) => String::new(),
+    };
+    let name = escape(row.name);
+    let suffixes = row.shape.suffixes().join(" ");
+    format!(
+        "<tr><td><code>{name}</code> <small>{suffixes}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{range}</td>\
+         <td>{span}</td><td>{}</td></tr>\n",
+        row.kind.name(),
+        units(row),
+        start(row),
+        escape(row.description)
+    )
+}
+
+fn units(row: &Row) -> String {
+    let mut names: Vec<&str> =
+        row.references().filter_map(|i| row.unit_of(i)).map(|unit| unit.name).collect();
+    names.dedup();
+    names.join(", ")
+}
+
+fn start(row: &Row) -> String {
+    row.start.iter().map(|&value| xml::number(row, value)).collect::<Vec<_>>().join(", ")
+}
+
+fn statuses(model: Model) -> String {
+    let list = |kind: &&crate::fmi::variables::Enumeration| {
+        let items: String = (1..)
+            .zip(kind.items)
+            .map(|(value, (name, text)): (i32, _)| {
+                format!("<tr><td>{value}</td><td><code>{name}</code></td><td>{}</td></tr>\n", escape(*text))
+            })
+            .collect();
+        format!("<h3>{}</h3>\n<p>{}.</p>\n<table>\n{items}</table>", kind.name, escape(kind.description))
+    };
+    let kinds: Vec<String> = xml::enumerations(model).iter().map(list).collect();
+    if kinds.is_empty() { String::new() } else { format!("<h2>Enumerations</h2>\n{}", kinds.join("\n")) }
+}
+
+fn behaviour(model: Model) -> String {
+    let own = match model {
+        Model::Controller => {
+            "The controller samples its inputs at the start of a step and answers for the whole of it: step the controller \
+             first, hand its <code>motorTension</code> to the plant, then step the plant. Velocities are estimated from the \
+             measured poses; steps of 1 ms are meant."
+        }
+        Model::Plant => {
+            "The integrator controls its own error, so that results do not depend on the step size as long as the inputs \
+             are held. The tolerance of the experiment is not used."
+        }
+    };
+    format!(
+        "<h2>Behaviour</h2>\n<p>{own}</p>\n<p>Steps may vary in size. The start of a step is compared with the end of the \
+         last one with a tolerance, so that 0.1 + 0.2 counts as 0.3. A number that is not finite is refused, and so is a \
+         parameter out of range; the message names the variable, its value and what is allowed. After an error reset the \
+         instance or give it back a saved state: values are as they were before the call that failed. Saved states can be \
+         serialised and continue bit for bit in another process, in either version of FMI. Several instances may run in \
+         one process, each in its own thread if you like. The default inertia, the paper's Table I, is not one of a rigid \
+         body (I1 + I2 &lt; I3); a warning says so and the equations accept it.</p>"
+    )
+}
+
+fn logging() -> String {
+    let rows: String = CATEGORIES
+        .map(|category| {
+            let name = category.name().to_string_lossy();
+            format!("<tr><td><code>{name}</code></td><td>{}</td></tr>\n", escape(category.description()))
+        })
+        .concat();
+    format!(
+        "<h2>Logging</h2>\n<p>A call that fails always says why, even with logging off. Warnings and events are sent with \
+         <code>loggingOn</code>, or by category with <code>SetDebugLogging</code>.</p>\n<table>\n{rows}</table>"
+    )
+}
+
+fn limits() -> String {
+    "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy and other open tools on Linux. They were <strong>not</strong> tried \
+     with Dymola, Simulink or OpenModelica. Model Exchange, Event Mode, directional derivatives and derivatives of inputs and \
+     outputs are not supported, as modelDescription.xml says.</p>"
+        .to_owned()
+}
