@@ -1,8 +1,48 @@
-//! A six-cable suspended robot that never lets a cable go slack.
+//! A six-cable suspended robot that never lets a cable go slack: controller, planner and plant, as a library and as FMUs.
+//!
+//! After Oh and Agrawal, *Guaranteed Reachable Domain and Control Design for a Cable Robot Subject to Input Constraints*.
+//! Where the program differs from the paper, `docs/paper.md` says so, with the figure.
+//!
+//! # The house
+//!
+//! Arrows point down only: `robot <- control <- reach <- plan`; `sim` sees `robot`; `fmi` sees all of these; `cosim` sees only
+//! the FMI bindings.
+//!
+//! | paper | room | |
+//! |---|---|---|
+//! | II | [`robot`] | parameters, geometry, inverse and forward kinematics, dynamics (1) |
+//! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), velocity estimate, force loop |
+//! | IV | [`reach`] | static workspace (16), bounded reachable domain (15) |
+//! | V | [`plan`] | set points (17), the flow of Fig. 4, the controller as one struct |
+//! | VI | [`sim`] | the plant and its integrator |
+//! | | [`fmi`] | the C boundary: one library, two models, FMI 2.0 and 3.0 |
+//! | | [`cosim`] | an importer that steps any FMUs together |
+//! | | [`report`] | what a person looks at |
+//!
+//! # Notation
+//!
+//! Base frame with its origin at the centre of the base plane, x and y in it, **z down**; SI units, radians.
+//!
+//! | paper | here | unit | |
+//! |---|---|---|---|
+//! | a, b | `a`, `b` | m | half the sides of the base and platform triangles |
+//! | m, I₁, I₂, I₃ | `m`, `i1`, `i2`, `i3` | kg, kg m² | mass, principal moments of inertia |
+//! | x = (x, y, z, roll, pitch, yaw) | [`robot::Pose`] | m, rad | coordinates, R = Rz Ry Rx |
+//! | x' | `rates` | m/s, rad/s | their rates |
+//! | u | `tension` | N | tensions of cables 1 to 6 |
+//! | -Jᵀ | [`robot::Cables::wrench_matrix`] | | tensions to force and torque on the platform |
+//! | λ, η | `lambda`, `eta` | 1/s | gains of (2) and (4) |
+//! | ω_n, ξ, Z_M | `omega_n`, `xi`, `z_m` | 1/s, -, - | (8), (9), (14) |
+//! | s, V | `sliding_variable`, `lyapunov_function` | | (2), (3) |
+//! | x_d^i, x_f | `set_point`, `goal` | | active set point, goal |
+//! | β, N, T_s | `beta`, `bisection_steps`, `planner_period` | -, -, s | (17), Table II |
+//! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
 pub mod control;
+pub mod cosim;
 pub mod fmi;
 pub mod plan;
 pub mod reach;
+pub mod report;
 pub mod robot;
 pub mod sim;

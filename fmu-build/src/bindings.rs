@@ -44,6 +44,11 @@ fn generate(headers: &Path, name: &str) -> Result<String> {
     Ok(bindings.to_string())
 }
 
+/// Whether bindgen will find libclang where it looks.
+pub fn libclang_is_installed() -> bool {
+    clang_sys::load().is_ok()
+}
+
 /// libclang without clang has no `stddef.h` of its own; gcc's serves.
 fn compiler_include() -> Option<PathBuf> {
     let output = Command::new("gcc").arg("-print-file-name=include").output().ok()?;

@@ -1,7 +1,13 @@
 //! Packs the FMUs, runs the demo and every check of cable-robot.
 
 mod bindings;
+mod check;
+mod demo;
+mod library;
+mod pack;
+mod verify;
 
+use cable_robot::fmi::describe::Version;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
@@ -13,6 +19,17 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
+    /// Packs the FMUs, or writes their descriptions
+    #[command(subcommand)]
+    Fmu(FmuTask),
+    /// Packs the FMUs, runs the paper's manoeuvre through them, writes target/demo/report.html and run.csv
+    Demo {
+        /// Version of FMI
+        #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+        fmi: u8,
+    },
+    /// Runs every check and every test
+    Verify,
     /// Regenerates src/fmi/bindings from the official FMI headers (needs libclang)
     Bindings {
         /// Compares with what is checked in and changes nothing
@@ -21,8 +38,26 @@ enum Task {
     },
 }
 
+#[derive(Subcommand)]
+enum FmuTask {
+    /// Builds the library, packs the four FMUs into target/fmu and checks them
+    Build,
+    /// Writes what ships in the FMUs to modelDescription/, where it can be read
+    Describe,
+}
+
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().task {
+        Task::Fmu(FmuTask::Build) => {
+            for path in pack::build()? {
+                println!("{}", path.display());
+            }
+            Ok(())
+        }
+        Task::Fmu(FmuTask::Describe) => pack::describe(),
+        Task::Demo { fmi: 2 } => demo::run(Version::Fmi2),
+        Task::Demo { .. } => demo::run(Version::Fmi3),
+        Task::Verify => verify::verify(),
         Task::Bindings { check } => bindings::run(check),
     }
 }

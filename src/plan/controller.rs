@@ -181,7 +181,7 @@ impl Controller {
         if elapsed < self.ticks as f64 - 1e-6 {
             return;
         }
-        self.ticks = (elapsed + 1e-6).floor() as u64 + 1;
+        self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
         let reachable = planner::is_reachable(&self.parameters.robot, &set_point, goal);
         if self.is_steady() {

@@ -116,6 +116,22 @@ mod tests {
     }
 
     #[test]
+    fn submotions_x_and_y_reach_as_far_as_the_domain_does() {
+        let robot = RobotParameters::default();
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(2);
+        for _ in 0..2000 {
+            let x0 = random_point(&mut rng);
+            let domain = BoundedDomain::new(&robot, &TABLE_I, x0, 1.0);
+            for direction in [Vector2::x(), -Vector2::x(), Vector2::y(), -Vector2::y()] {
+                let reach = domain.ray(&direction);
+                assert_eq!(reach > 0.0, crate::reach::in_static_workspace(&robot, &x0));
+                assert!(reach == 0.0 || domain.contains(&(x0 + direction * reach * 0.999_999)));
+                assert!(!domain.contains(&(x0 + direction * reach * 1.000_001)));
+            }
+        }
+    }
+
+    #[test]
     fn no_step_that_it_admits_slackens_a_cable() {
         let robot = RobotParameters::default();
         let geometry = Geometry::new(&robot);

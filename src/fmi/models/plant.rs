@@ -7,7 +7,7 @@ use crate::fmi::variables::units::{
 };
 use crate::fmi::variables::{Kind, Row, Shape, Variability, input, output, parameter, setting};
 use crate::robot::ParameterError;
-use crate::sim::plant::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use crate::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 const INITIAL_POSE: Row = Row {
     shape: Shape::Pose,

@@ -1,0 +1,119 @@
+//! What is claimed about speed, all in one run so that the figures can be compared with each other: `cargo bench`.
+//!
+//! The two benches through FMI step the packed FMUs: `cargo fmu build` makes them.
+
+use std::hint::black_box;
+use std::path::PathBuf;
+
+use cable_robot::control::Gains;
+use cable_robot::cosim::{Fmu, Instance};
+use cable_robot::plan::bisection::smallest_admissible;
+use cable_robot::plan::linear_program::smallest_beta;
+use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
+use cable_robot::reach::BoundedDomain;
+use cable_robot::robot::{Geometry, Pose, RobotParameters, forward_kinematics};
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use nalgebra::Vector2;
+
+const STEP: f64 = 1e-3;
+
+fn inputs(plant: &Plant, goal: Pose) -> ControllerInputs {
+    let output = plant.outputs();
+    ControllerInputs {
+        encoder_pose: output.encoder_pose,
+        cable_length: output.cable_length,
+        measured_tension: output.measured_tension,
+        goal_pose: goal,
+        enable: true,
+    }
+}
+
+/// Plant and controller at rest at the paper's start, each pulling what holds it there.
+fn at_rest() -> (Controller, Plant, PlantInputs) {
+    let hanging = Plant::new(PlantParameters::default(), &PlantInputs::default()).unwrap();
+    let controller =
+        Controller::new(ControllerParameters::default(), 0.0, &inputs(&hanging, Pose::default())).unwrap();
+    let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..Default::default() };
+    (controller, Plant::new(PlantParameters::default(), &pull).unwrap(), pull)
+}
+
+fn library_steps(c: &mut Criterion) {
+    let (mut controller, mut plant, pull) = at_rest();
+    let resting = inputs(&plant, Pose::default());
+    let mut count = 0u32;
+    c.bench_function("controller step, library", |b| {
+        b.iter(|| {
+            count += 1;
+            controller.step(f64::from(count) * STEP, black_box(&resting));
+        })
+    });
+    c.bench_function("plant step, library", |b| b.iter(|| plant.step(black_box(&pull), STEP).unwrap()));
+}
+
+fn packed(model: &str) -> Instance {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("target/fmu/fmi3/{model}.fmu"));
+    let instance = Fmu::open(path).unwrap().instantiate(model, Box::new(|_| {})).unwrap();
+    instance.enter_initialization(0.0, None).unwrap();
+    instance.exit_initialization().unwrap();
+    instance
+}
+
+fn fmi_steps(c: &mut Criterion) {
+    for (name, model) in [("controller", "CableRobotController"), ("plant", "CableRobotPlant")] {
+        let instance = packed(model);
+        let mut count = 0u32;
+        c.bench_function(&format!("{name} step, packed FMU (FMI 3)"), |b| {
+            b.iter(|| {
+                instance.do_step(f64::from(count) * STEP, STEP).unwrap();
+                count += 1;
+            })
+        });
+    }
+}
+
+fn kinematics(c: &mut Criterion) {
+    let geometry = Geometry::new(&RobotParameters::default());
+    let pose = Pose::at(0.001, 0.002, 1.001);
+    let length = geometry.cables(&pose.position(), &pose.rotation()).length;
+    c.bench_function("forward kinematics, 2 mm from the guess", |b| {
+        b.iter(|| forward_kinematics(&geometry, black_box(&length), &Pose::default()).unwrap())
+    });
+}
+
+fn decisions(c: &mut Criterion) {
+    let domain = BoundedDomain::new(
+        &RobotParameters::default(),
+        &Gains { lambda: 3.0, eta: 3.0 },
+        Vector2::zeros(),
+        1.0,
+    );
+    let (x_prev, x_f) = (Vector2::zeros(), Vector2::new(0.15, 0.15));
+    c.bench_function("planner decision, bisection N = 8", |b| {
+        b.iter(|| smallest_admissible(8, |beta| domain.contains(black_box(&(x_f + (x_prev - x_f) * beta)))))
+    });
+    c.bench_function("planner decision, linear programme", |b| {
+        b.iter(|| smallest_beta(black_box(&domain), &x_prev, &x_f).unwrap())
+    });
+}
+
+/// Throughput in elements a second is simulated milliseconds a second.
+fn closed_loop(c: &mut Criterion) {
+    let mut group = c.benchmark_group("closed loop, library");
+    group.throughput(Throughput::Elements(1000)).sample_size(20);
+    group.bench_function("one simulated second of the paper's manoeuvre at 1 kHz", |b| {
+        b.iter(|| {
+            let (mut controller, mut plant, mut pull) = at_rest();
+            for k in 0..1000u32 {
+                controller.step(f64::from(k) * STEP, &inputs(&plant, Pose::at(0.15, 0.15, 1.0)));
+                pull.motor_tension = controller.outputs().motor_tension;
+                plant.step(&pull, STEP).unwrap();
+            }
+            plant
+        })
+    });
+    group.finish();
+}
+
+criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, closed_loop);
+criterion_main!(benches);

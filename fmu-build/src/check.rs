@@ -1,0 +1,74 @@
+//! What a packed FMU must be: its description true, its library lean.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+use cable_robot::cosim::{Fmu, Instance};
+
+use crate::project_root;
+
+/// Bytes that a packed FMU may have.
+const LARGEST: u64 = 2_000_000;
+
+/// The library exports the functions of both standards and nothing else.
+pub fn exports(library: &Path) -> Result<()> {
+    let output = Command::new("nm").args(["-D", "--defined-only"]).arg(library).output();
+    let output = output.context("cannot start nm (Debian: binutils)")?;
+    ensure!(output.status.success(), "nm: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).context("nm writes no text")?;
+    let exported: BTreeSet<_> =
+        text.lines().filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect();
+    let standard = &declared("2.0", "FMI2_Export")? | &declared("3.0", "FMI3_Export")?;
+    let list = |names: BTreeSet<String>| names.into_iter().collect::<Vec<_>>().join(", ");
+    let (lacking, foreign) = (list(&standard - &exported), list(&exported - &standard));
+    ensure!(lacking.is_empty(), "the library lacks {lacking}");
+    ensure!(foreign.is_empty(), "the library also exports {foreign}");
+    Ok(())
+}
+
+/// Names of the functions that the official header declares, on lines such as
+/// `FMI3_Export fmi3ResetTYPE fmi3Reset;`.
+fn declared(version: &str, export: &str) -> Result<BTreeSet<String>> {
+    let header = project_root().join(format!("fmi-headers/{version}/fmi{}Functions.h", &version[..1]));
+    let text = fs::read_to_string(&header).with_context(|| format!("cannot read {}", header.display()))?;
+    let lines = text.lines().filter_map(|line| line.trim().strip_prefix(export)?.trim().strip_suffix(';'));
+    let names: BTreeSet<_> =
+        lines.filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect();
+    ensure!(!names.is_empty(), "{} declares nothing with {export}", header.display());
+    Ok(names)
+}
+
+/// The archive is small, and what its description declares is what its library has.
+pub fn packed(path: &Path) -> Result<()> {
+    let size = fs::metadata(path)?.len();
+    ensure!(size < LARGEST, "it has {size} bytes; {LARGEST} are allowed");
+    let fmu = Fmu::open(path)?;
+    let expected = path.file_stem().context("no file name")?.to_string_lossy();
+    let identifier = &fmu.description().model_identifier;
+    ensure!(*identifier == expected, "modelIdentifier is {identifier}, the file is called {expected}");
+    // What it complains of stands in the error as well.
+    let instance = fmu.instantiate("check", Box::new(|_| {}))?;
+    instance.enter_initialization(0.0, None)?;
+    starts_agree(&instance)?;
+    instance.exit_initialization()?;
+    // Reading with the function of the declared type fails if the library knows the variable as another.
+    for variable in &fmu.description().variables {
+        instance.get(instance.variable(&variable.name)?)?;
+    }
+    Ok(instance.terminate()?)
+}
+
+/// Every start value of the description is what the library starts with.
+fn starts_agree(instance: &Instance) -> Result<()> {
+    for variable in &instance.description().variables {
+        let Some(start) = variable.start else { continue };
+        let value = instance.get(instance.variable(&variable.name)?)?;
+        if value != start {
+            bail!("{} starts with {value} in the library, with {start} in the description", variable.name);
+        }
+    }
+    Ok(())
+}

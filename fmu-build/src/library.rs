@@ -1,0 +1,33 @@
+//! The shared library that both FMUs carry.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use indicatif::ProgressBar;
+
+use crate::project_root;
+
+/// Builds the library and returns its path. What the compiler says is shown only if it fails.
+pub fn build() -> Result<PathBuf> {
+    let target = project_root().join("target");
+    // Shown on a terminal only.
+    let spinner = ProgressBar::new_spinner().with_message("building the library");
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
+    let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args(["rustc", "--release", "--package", "cable-robot", "--lib", "--crate-type", "cdylib"])
+        .arg("--target-dir")
+        .arg(&target)
+        .args(["--", "-C", "strip=symbols"])
+        .current_dir(project_root())
+        .output()
+        .context("cannot start cargo")?;
+    spinner.finish_and_clear();
+    if !output.status.success() {
+        bail!("the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let name = format!("{}cable_robot{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    Ok(target.join("release").join(name))
+}

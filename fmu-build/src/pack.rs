@@ -1,0 +1,79 @@
+//! `cargo fmu build`: packs the four FMUs and checks what it packed.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use cable_robot::cosim::{FmiVersion, platform};
+use cable_robot::fmi::describe::{VERSIONS, Version, checked_in, shipped_files};
+use cable_robot::fmi::{MODELS, Model};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use crate::{check, library, project_root};
+
+/// Builds, packs and checks the four FMUs; returns their paths.
+pub fn build() -> Result<Vec<PathBuf>> {
+    let library = library::build()?;
+    check::exports(&library)?;
+    let library = fs::read(&library).with_context(|| format!("cannot read {}", library.display()))?;
+    let mut packed = vec![];
+    for version in VERSIONS {
+        for model in MODELS {
+            let path = path(model, version);
+            pack(&path, contents(model, version, library.clone()))
+                .with_context(|| format!("cannot pack {}", path.display()))?;
+            check::packed(&path).with_context(|| format!("{} is not as it should be", path.display()))?;
+            packed.push(path);
+        }
+    }
+    Ok(packed)
+}
+
+/// Writes what a person may want to read to modelDescription/.
+pub fn describe() -> Result<()> {
+    for (name, bytes) in checked_in() {
+        let path = project_root().join("modelDescription").join(name);
+        fs::create_dir_all(path.parent().context("no folder")?)?;
+        fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// Where an FMU goes.
+pub fn path(model: Model, version: Version) -> PathBuf {
+    project_root().join("target/fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
+}
+
+/// Every file of an FMU by its path in the archive: sorted, as they are packed.
+fn contents(model: Model, version: Version, library: Vec<u8>) -> BTreeMap<String, Vec<u8>> {
+    let mut files: BTreeMap<_, _> = shipped_files(model, version).into_iter().collect();
+    let folder = platform(match version {
+        Version::Fmi2 => FmiVersion::V2,
+        Version::Fmi3 => FmiVersion::V3,
+    });
+    let binary = format!("binaries/{folder}/{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
+    files.insert(binary, library);
+    files
+}
+
+/// Writes the archive: the same files give the same bytes, whenever and wherever.
+fn pack(path: &Path, files: BTreeMap<String, Vec<u8>>) -> Result<()> {
+    fs::create_dir_all(path.parent().context("no folder")?)?;
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::DEFAULT)
+        .unix_permissions(0o644);
+    // Packed beside and renamed, so that nobody loads half a file.
+    let unfinished = path.with_extension("unfinished");
+    let mut archive = ZipWriter::new(File::create(&unfinished)?);
+    for (name, bytes) in files {
+        archive.start_file(name, options)?;
+        archive.write_all(&bytes)?;
+    }
+    archive.finish()?;
+    Ok(fs::rename(unfinished, path)?)
+}

@@ -1,0 +1,174 @@
+//! `cargo verify`: every check and every test, and a table of what ran.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+use crate::project_root;
+
+/// What became of one stage.
+struct Row {
+    stage: &'static str,
+    outcome: Outcome,
+    took: Duration,
+}
+
+enum Outcome {
+    /// With the number of tests, one for a check that is no test suite.
+    Passed(usize),
+    Failed(String),
+    Skipped(&'static str),
+}
+
+type Stage = (&'static str, fn(&Path) -> Result<Outcome>);
+
+/// In the order of what is quickest to tell.
+const STAGES: [Stage; 7] = [
+    ("rustfmt", |root| run(root, "cargo", &["fmt", "--all", "--check"])),
+    ("clippy", |root| {
+        run(root, "cargo", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
+    }),
+    ("documentation", |root| run(root, "cargo", &["doc", "--workspace", "--no-deps", "--quiet"])),
+    ("bindings", bindings),
+    ("FMUs, packed twice", packed_twice),
+    ("Rust tests", |root| run(root, "cargo", &["test", "--workspace", "--no-fail-fast"])),
+    ("Python tests", python_tests),
+];
+
+/// Runs every stage, also after a failure, and fails if one did.
+pub fn verify() -> Result<()> {
+    let root = project_root();
+    let mut rows = vec![];
+    for (stage, check) in STAGES {
+        eprintln!("\n== {stage}");
+        let start = Instant::now();
+        let outcome = check(&root).unwrap_or_else(|error| Outcome::Failed(format!("{error:#}")));
+        rows.push(Row { stage, outcome, took: start.elapsed() });
+    }
+    print_table(&rows);
+    if rows.iter().any(|row| matches!(row.outcome, Outcome::Failed(_))) {
+        bail!("not everything passed");
+    }
+    Ok(())
+}
+
+fn print_table(rows: &[Row]) {
+    let (mut passed, mut failed, mut skipped) = (0, 0, 0);
+    println!("\n{:<20} {:<8} {:>7} {:>8}", "stage", "result", "tests", "seconds");
+    for Row { stage, outcome, took } in rows {
+        let seconds = took.as_secs_f64();
+        match outcome {
+            Outcome::Passed(count) => {
+                passed += count;
+                println!("{stage:<20} {:<8} {count:>7} {seconds:>8.1}", "passed");
+            }
+            Outcome::Failed(why) => {
+                failed += 1;
+                println!("{stage:<20} {:<8} {:>7} {seconds:>8.1}  {why}", "FAILED", "");
+            }
+            Outcome::Skipped(why) => {
+                skipped += 1;
+                println!("{stage:<20} {:<8} {:>7} {seconds:>8.1}  {why}", "skipped", "");
+            }
+        }
+    }
+    println!("{passed} passed, {failed} failed, {skipped} skipped");
+}
+
+/// Runs a command in the project, shows its output, and counts the tests it reports as passed.
+fn run(root: &Path, program: &str, arguments: &[&str]) -> Result<Outcome> {
+    let mut child = Command::new(program)
+        .args(arguments)
+        .current_dir(root)
+        .env("RUSTDOCFLAGS", "-D warnings")
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot start {program}"))?;
+    let output = child.stdout.take().context("no output to read")?;
+    let mut tests = 0;
+    for line in BufReader::new(output).lines() {
+        let line = line?;
+        println!("{line}");
+        tests += tests_passed(&line);
+    }
+    let status = child.wait()?;
+    Ok(if status.success() {
+        Outcome::Passed(tests.max(1))
+    } else {
+        Outcome::Failed(format!("{program} {} ended with {status}", arguments.join(" ")))
+    })
+}
+
+/// The figure in `test result: ok. 12 passed; 0 failed` of cargo and `12 passed in 3.45s` of pytest.
+fn tests_passed(line: &str) -> usize {
+    let is_summary =
+        line.starts_with("test result:") || line.contains(" passed in ") || line.contains(" passed, ");
+    let mut words = line.split_whitespace().peekable();
+    while let (true, Some(word)) = (is_summary, words.next()) {
+        if words.peek().is_some_and(|next| next.trim_end_matches([',', ';']) == "passed") {
+            return word.parse().unwrap_or(0);
+        }
+    }
+    0
+}
+
+/// The generated bindings against the headers; libclang is the one thing that a user may lack, continuous integration may not.
+fn bindings(_: &Path) -> Result<Outcome> {
+    let found = crate::bindings::libclang_is_installed();
+    if !found && std::env::var_os("CI").is_none() {
+        return Ok(Outcome::Skipped("libclang is not installed (Debian: libclang1-14)"));
+    }
+    crate::bindings::run(true)?;
+    Ok(Outcome::Passed(1))
+}
+
+/// Two packings give the same bytes.
+fn packed_twice(_: &Path) -> Result<Outcome> {
+    let read = |paths: &[std::path::PathBuf]| paths.iter().map(std::fs::read).collect::<Result<Vec<_>, _>>();
+    let first = read(&crate::pack::build()?)?;
+    let second = read(&crate::pack::build()?)?;
+    if first != second {
+        bail!("two packings of the same sources differ");
+    }
+    Ok(Outcome::Passed(1))
+}
+
+/// pytest in an environment of its own, made anew when the requirements change.
+fn python_tests(root: &Path) -> Result<Outcome> {
+    let environment = root.join("target/python");
+    let python = environment.join("bin/python");
+    let requirements = root.join("fmpy-tests/requirements.txt");
+    let wanted = std::fs::read_to_string(&requirements)?;
+    let stamp = environment.join("requirements.txt");
+    if std::fs::read_to_string(&stamp).ok().as_deref() != Some(&wanted) {
+        let path = environment.to_string_lossy();
+        expect_success(run(root, "python3", &["-m", "venv", "--clear", &path])?)?;
+        let arguments = ["-m", "pip", "install", "--quiet", "--requirement", &requirements.to_string_lossy()];
+        expect_success(run(root, &python.to_string_lossy(), &arguments)?)?;
+        std::fs::write(&stamp, wanted)?;
+    }
+    run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests"])
+}
+
+fn expect_success(outcome: Outcome) -> Result<()> {
+    match outcome {
+        Outcome::Failed(why) => bail!(why),
+        Outcome::Passed(_) | Outcome::Skipped(_) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summaries_of_cargo_and_pytest_are_counted() {
+        assert_eq!(tests_passed("test result: ok. 12 passed; 0 failed; 0 ignored"), 12);
+        assert_eq!(tests_passed("55 passed in 10.01s"), 55);
+        assert_eq!(tests_passed("1 failed, 54 passed in 10.01s"), 54);
+        assert_eq!(tests_passed("all tests passed today"), 0);
+    }
+}

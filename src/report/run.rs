@@ -1,0 +1,126 @@
+//! A recorded run and what it comes down to.
+
+use std::fmt;
+
+use crate::robot::{CABLES, PerCable};
+
+/// A recorded run: a column a quantity, all as long as `times`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Run {
+    /// s.
+    pub times: Vec<f64>,
+    /// x, y, z of the platform's centre, m.
+    pub position: [Vec<f64>; 3],
+    /// x, y, z of the active set point, m.
+    pub set_point: [Vec<f64>; 3],
+    /// Number of the active set point.
+    pub set_point_index: Vec<f64>,
+    /// What the cables pull, N.
+    pub tension: PerCable<Vec<f64>>,
+    /// 1 where a cable is slack.
+    pub slack: PerCable<Vec<f64>>,
+    /// The controller's prediction of the smallest tension to come, N.
+    pub tension_margin: Vec<f64>,
+    /// 1 at rest at the goal.
+    pub at_goal: Vec<f64>,
+}
+
+/// A set point and when it became the active one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetPoint {
+    /// s.
+    pub time: f64,
+    /// x, y, z, m.
+    pub position: [f64; 3],
+}
+
+/// The smallest tension of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmallestTension {
+    /// N.
+    pub value: f64,
+    /// Cable number, 1 to 6.
+    pub cable: usize,
+    /// s.
+    pub time: f64,
+}
+
+impl fmt::Display for SmallestTension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.3} N in cable {} at {:.3} s", self.value, self.cable, self.time)
+    }
+}
+
+/// What a run comes down to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The start, then every set point in its turn.
+    pub set_points: Vec<SetPoint>,
+    /// `None` if nothing was recorded.
+    pub smallest_tension: Option<SmallestTension>,
+    /// When the robot first rested at the goal, s.
+    pub time_to_goal: Option<f64>,
+    /// The first cable to go slack, 1 to 6, and when.
+    pub slack: Option<(usize, f64)>,
+}
+
+impl Run {
+    /// Reads the results off the columns.
+    pub fn summary(&self) -> Summary {
+        let first = |column: &[f64]| column.iter().position(|value| *value != 0.0).map(|row| self.times[row]);
+        let slack = (0..CABLES).filter_map(|i| Some((i + 1, first(&self.slack[i])?)));
+        Summary {
+            set_points: self.set_points(),
+            smallest_tension: self.smallest_tension(),
+            time_to_goal: first(&self.at_goal),
+            slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
+        }
+    }
+
+    fn set_points(&self) -> Vec<SetPoint> {
+        let is_new = |&row: &usize| row == 0 || self.set_point_index[row] != self.set_point_index[row - 1];
+        let at = |row: usize| SetPoint {
+            time: self.times[row],
+            position: std::array::from_fn(|k| self.set_point[k][row]),
+        };
+        (0..self.times.len()).filter(is_new).map(at).collect()
+    }
+
+    fn smallest_tension(&self) -> Option<SmallestTension> {
+        let of_cable = |i: usize| {
+            let samples = self.tension[i].iter().zip(&self.times);
+            samples.map(move |(value, time)| SmallestTension { value: *value, cable: i + 1, time: *time })
+        };
+        (0..CABLES).flat_map(of_cable).min_by(|a, b| a.value.total_cmp(&b.value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tests::run;
+
+    #[test]
+    fn summary_finds_set_points_smallest_tension_and_arrival() {
+        let summary = run(1_000).summary();
+        let expected = [(0.0, [0.0, 0.0, 1.0]), (0.5, [0.2, 0.0, 1.0])];
+        assert_eq!(summary.set_points, expected.map(|(time, position)| SetPoint { time, position }));
+        let smallest = summary.smallest_tension.expect("samples");
+        assert_eq!((smallest.cable, smallest.time), (5, 0.7));
+        assert_eq!((summary.time_to_goal, summary.slack), (Some(0.901), None));
+    }
+
+    #[test]
+    fn summary_names_the_first_slack_cable() {
+        let mut run = run(1_000);
+        run.slack[1][600] = 1.0;
+        run.slack[3][400] = 1.0;
+        assert_eq!(run.summary().slack, Some((4, 0.4)));
+    }
+
+    #[test]
+    fn an_empty_run_has_no_results() {
+        let nothing = Summary { set_points: vec![], smallest_tension: None, time_to_goal: None, slack: None };
+        assert_eq!(Run::default().summary(), nothing);
+    }
+}

@@ -1,0 +1,104 @@
+//! A control step allocates nothing, in the library and through the FMI functions: counted at the allocator.
+//!
+//! With it, what an instance takes from the heap at all.
+#![allow(unsafe_code)]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+
+use cable_robot::fmi::abi::{fmi3::*, fmi3_values::*};
+use cable_robot::fmi::models::MODELS;
+use cable_robot::fmi::variables::Causality;
+use cable_robot::plan::ControllerParameters;
+use cable_robot::robot::Pose;
+use cable_robot::sim::PlantParameters;
+use common::ClosedLoop;
+
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+    static BYTES: Cell<isize> = const { Cell::new(0) };
+}
+
+// SAFETY: everything is handed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        CALLS.set(CALLS.get() + 1);
+        BYTES.set(BYTES.get() + layout.size() as isize);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        BYTES.set(BYTES.get() - layout.size() as isize);
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn steps_of_the_library_allocate_nothing() {
+    let rig = PlantParameters {
+        encoder_resolution: 1e-5,
+        friction: 0.1,
+        load_cell_noise: 0.1,
+        ..Default::default()
+    };
+    let parameters = ControllerParameters { force_loop: true, ..Default::default() };
+    let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
+    let before = CALLS.get();
+    for _ in 0..3000 {
+        closed_loop.advance();
+    }
+    assert_eq!(CALLS.get() - before, 0, "allocations in 3000 steps with 60 planner ticks");
+    assert!(closed_loop.controller.outputs().set_point_index >= 1);
+}
+
+#[test]
+fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
+    for model in MODELS {
+        let token = CString::new(model.token()).unwrap();
+        let before = BYTES.get();
+        unsafe {
+            let instance = fmi3InstantiateCoSimulation(
+                c"i".as_ptr(),
+                token.as_ptr(),
+                null(),
+                false,
+                false,
+                false,
+                false,
+                null(),
+                0,
+                null_mut(),
+                None,
+                None,
+            );
+            assert_eq!(fmi3EnterInitializationMode(instance, false, 0.0, 0.0, false, 0.0), 0);
+            assert_eq!(fmi3ExitInitializationMode(instance), 0);
+            let bytes = BYTES.get() - before;
+            println!("{}: {bytes} bytes an instance", model.identifier());
+            assert!(bytes < 256 * 1024);
+
+            let reference = [model.rows_with(Causality::Output).next().unwrap().first];
+            let mut value = [0.0];
+            let before = CALLS.get();
+            for k in 0..1000 {
+                assert_eq!(fmi3GetFloat64(instance, reference.as_ptr(), 1, value.as_mut_ptr(), 1), 0);
+                let (mut event, mut terminate, mut early, mut last) = (false, false, false, 0.0);
+                let time = f64::from(k) * 1e-3;
+                let status =
+                    fmi3DoStep(instance, time, 1e-3, true, &mut event, &mut terminate, &mut early, &mut last);
+                assert_eq!(status, 0);
+            }
+            assert_eq!(CALLS.get() - before, 0, "allocations in 1000 steps of {}", model.identifier());
+            fmi3FreeInstance(instance);
+        }
+    }
+}
