@@ -22,8 +22,7 @@ const POSE_SOURCE_TYPE: Enumeration = Enumeration {
         ("CableLengths", "Forward kinematics of the input cableLength"),
     ],
 };
-/// What the controller says about itself.
-pub const STATUS_TYPE: Enumeration = Enumeration {
+const STATUS_TYPE: Enumeration = Enumeration {
     name: "Status",
     description: "What the controller is doing",
     items: &[
