@@ -1,6 +1,6 @@
 //! The C functions of both standards: they turn pointers into slices, call [`Instance`], and turn errors into statuses.
 //!
-//! This is the only place of the library with `unsafe`. Every function goes through [`call`] (or [`instantiate`]), so
+//! This is the only place of the library with `unsafe`. Every function goes through `call` (or `instantiate`), so
 //! that the order of calls is checked, errors are reported and no panic reaches C, all in one place. Pointers are
 //! checked as far as a library can: NULL, alignment and length; that they point to what the standard says they point
 //! to is the importer's promise, and what each SAFETY comment rests on.
