@@ -92,7 +92,7 @@ impl Instance {
             return Err(FmiError::State("it is in Step Mode but was never initialised".to_owned()));
         };
         running.step(&self.now.values, point, h)?;
-        let before = self.log.sends(Category::Events).then(|| self.now.values.clone());
+        let before = self.log.is_enabled(Category::Events).then(|| self.now.values.clone());
         running.write_outputs(&mut self.now.values);
         self.now.running = Some(running);
         self.now.set_time(point + h);
@@ -248,7 +248,7 @@ impl Instance {
     }
 
     fn event(&self, text: impl FnOnce(&Snapshot) -> String) {
-        if self.log.sends(Category::Events) {
+        if self.log.is_enabled(Category::Events) {
             self.log.send(Status::Ok, Category::Events, &text(&self.now));
         }
     }

@@ -46,8 +46,8 @@ impl Category {
 /// How a message reaches the environment: status, category, text. The C callback is behind it.
 pub type Sink = Box<dyn Fn(Status, &CStr, &str)>;
 
-/// Sends messages; warnings and events only if their category is enabled. A call that fails always says why, since a
-/// bare error code helps nobody.
+/// Sends messages. A call that does not return OK always says why, since a bare status helps nobody; all else is sent if
+/// its category is enabled.
 pub struct Log {
     sink: Sink,
     enabled: [bool; CATEGORIES.len()],
@@ -59,14 +59,14 @@ impl Log {
         Self { sink, enabled: [on; CATEGORIES.len()] }
     }
 
-    /// Whether a message of this category would be sent.
-    pub fn sends(&self, category: Category) -> bool {
-        matches!(category, Category::Error | Category::Discard) || self.enabled[category as usize]
+    /// Whether the category is enabled.
+    pub fn is_enabled(&self, category: Category) -> bool {
+        self.enabled[category as usize]
     }
 
-    /// Sends a message if its category is enabled.
+    /// Sends a message: always if it explains a status, else if its category is enabled.
     pub fn send(&self, status: Status, category: Category, message: &str) {
-        if self.sends(category) {
+        if status != Status::Ok || self.is_enabled(category) {
             (self.sink)(status, category.name(), message);
         }
     }

@@ -544,8 +544,8 @@ fn a_percent_sign_in_a_message_is_one() {
         let text = messages.lock().unwrap()[0].2.clone();
         assert!(text.contains("%s%n%d 100 %"), "{text}");
 
-        let slave = Slave::logging(fmi, Model::Plant, true);
-        assert_eq!(slave.set_debug_logging(true, &[c"%s%s%s%n".as_ptr(), null()]), WARNING);
+        let slave = Slave::new(fmi, Model::Plant);
+        assert_eq!(slave.set_debug_logging(false, &[c"%s%s%s%n".as_ptr(), null()]), WARNING);
         assert!(slave.last_message().contains("%s%s%s%n"), "{}", slave.last_message());
         assert!(
             slave.last_message().contains("logStatusError, logStatusDiscard"),

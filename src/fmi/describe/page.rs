@@ -147,7 +147,7 @@ fn logging() -> String {
         })
         .concat();
     format!(
-        "<h2>Logging</h2>\n<p>A call that fails always says why, even with logging off. Warnings and events are sent with \
+        "<h2>Logging</h2>\n<p>A call that does not return OK always says why, even with logging off. Warnings and events are sent with \
          <code>loggingOn</code>, or by category with <code>SetDebugLogging</code>.</p>\n<table>\n{rows}</table>"
     )
 }
