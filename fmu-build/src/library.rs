@@ -1,6 +1,6 @@
 //! The shared library that both FMUs carry.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -9,9 +9,8 @@ use indicatif::ProgressBar;
 
 use crate::project_root;
 
-/// Builds the library and returns its path. What the compiler says is shown only if it fails.
-pub fn build() -> Result<PathBuf> {
-    let target = project_root().join("target");
+/// Builds the library below `target` and returns its path. What the compiler says is shown only if it fails.
+pub fn build(target: &Path) -> Result<PathBuf> {
     // Shown on a terminal only.
     let spinner = ProgressBar::new_spinner().with_message("building the library");
     spinner.enable_steady_tick(Duration::from_millis(100));
@@ -19,7 +18,7 @@ pub fn build() -> Result<PathBuf> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["rustc", "--release", "--package", "cable-robot", "--lib", "--crate-type", "cdylib"])
         .arg("--target-dir")
-        .arg(&target)
+        .arg(target)
         .args(["--", "-C", "strip=symbols"])
         .current_dir(project_root())
         .output()

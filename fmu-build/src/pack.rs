@@ -16,13 +16,18 @@ use crate::{check, library, project_root};
 
 /// Builds, packs and checks the four FMUs; returns their paths.
 pub fn build() -> Result<Vec<PathBuf>> {
-    let library = library::build()?;
+    build_below(&project_root().join("target"))
+}
+
+/// The same with the library compiled below another folder, which also gets the FMUs.
+pub fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
+    let library = library::build(target)?;
     check::exports(&library)?;
     let library = fs::read(&library).with_context(|| format!("cannot read {}", library.display()))?;
     let mut packed = vec![];
     for version in VERSIONS {
         for model in MODELS {
-            let path = path(model, version);
+            let path = path_below(target, model, version);
             pack(&path, contents(model, version, library.clone()))
                 .with_context(|| format!("cannot pack {}", path.display()))?;
             check::packed(&path).with_context(|| format!("{} is not as it should be", path.display()))?;
@@ -45,7 +50,11 @@ pub fn describe() -> Result<()> {
 
 /// Where an FMU goes.
 pub fn path(model: Model, version: Version) -> PathBuf {
-    project_root().join("target/fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
+    path_below(&project_root().join("target"), model, version)
+}
+
+fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
+    target.join("fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
 }
 
 /// Every file of an FMU by its path in the archive: sorted, as they are packed.
