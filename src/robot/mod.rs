@@ -5,12 +5,14 @@ pub mod forward;
 pub mod geometry;
 pub mod parameters;
 pub mod pose;
+pub mod rig;
 
 pub use dynamics::{tensions, tensions_for_wrench};
 pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
 pub use geometry::{Cables, Geometry};
 pub use parameters::{ParameterError, RobotParameters};
 pub use pose::{Coordinates, Pose};
+pub use rig::{Rig, TensionLimits};
 
 /// Number of cables.
 pub const CABLES: usize = 6;
