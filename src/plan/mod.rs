@@ -4,6 +4,7 @@ pub mod bisection;
 pub mod controller;
 pub mod interface;
 pub mod linear_program;
+pub mod nearest;
 pub mod planner;
 pub mod prediction;
 

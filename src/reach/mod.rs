@@ -1,9 +1,16 @@
-//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15).
+//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15);
+//! for rigs with any cables, tension distributions and the static workspace that they leave.
 
 pub mod bounded;
+pub mod distribution;
 pub mod half_plane;
+pub mod quadratic_program;
+pub mod static_region;
 pub mod workspace;
 
 pub use bounded::BoundedDomain;
+pub use distribution::{Distribution, nearest_mid_range, widest_margin};
 pub use half_plane::{HalfPlane, polygon};
+pub use quadratic_program::SolverError;
+pub use static_region::Slice;
 pub use workspace::{in_static_workspace, static_workspace};

@@ -6,13 +6,15 @@ pub mod geometry;
 pub mod parameters;
 pub mod pose;
 pub mod rig;
+pub mod rig_file;
 
 pub use dynamics::{tensions, tensions_for_wrench};
 pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
 pub use geometry::{Cables, Geometry};
 pub use parameters::{ParameterError, RobotParameters};
 pub use pose::{Coordinates, Pose};
-pub use rig::{Rig, TensionLimits};
+pub use rig::{DegenerateRig, Rig, TensionLimits};
+pub use rig_file::{RigFile, RigFileError};
 
 /// Number of cables.
 pub const CABLES: usize = 6;

@@ -1,0 +1,263 @@
+//! The static workspace of any rig at a given height and orientation: where the cables can hold the platform within their limits.
+
+use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
+
+use super::distribution::{Distribution, widest_margin};
+use super::quadratic_program::SolverError;
+use crate::robot::{Coordinates, Pose, Rig};
+
+/// Distance from the true border at which the bisection ends, m.
+const BORDER_TOLERANCE: f64 = 1e-9;
+/// Steps of a ray before it has crossed the whole box that is looked at.
+const RAY_STEPS: usize = 200;
+
+/// Poses of a rig at one height and one orientation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slice<'a> {
+    /// The rig.
+    pub rig: &'a Rig,
+    /// z of the centre of mass, m.
+    pub height: f64,
+    /// (roll, pitch, yaw), rad.
+    pub angles: Vector3<f64>,
+}
+
+/// Margins on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Coordinates of the columns, m, rising.
+    pub x: Vec<f64>,
+    /// Coordinates of the rows, m, rising.
+    pub y: Vec<f64>,
+    /// A row for each y: signed margins, N (see [`Distribution::signed_margin`]).
+    pub margin: Vec<Vec<f64>>,
+}
+
+impl Grid {
+    /// The point with the greatest margin (m, N), if that is 0 or greater.
+    pub fn best(&self) -> Option<(Vector2<f64>, f64)> {
+        let cells = self.points().filter(|(_, margin)| *margin >= 0.0);
+        cells.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Every point with its margin.
+    pub fn points(&self) -> impl Iterator<Item = (Vector2<f64>, f64)> {
+        let row = |(y, row): (&f64, &Vec<f64>)| {
+            let y = *y;
+            self.x.iter().zip(row.clone()).map(move |(x, margin)| (Vector2::new(*x, y), margin))
+        };
+        self.y.iter().zip(&self.margin).flat_map(row)
+    }
+}
+
+impl Slice<'_> {
+    /// The pose over (x, y), m.
+    pub fn pose(&self, point: &Vector2<f64>) -> Pose {
+        let (roll, pitch, yaw) = (self.angles.x, self.angles.y, self.angles.z);
+        Pose(Coordinates::new(point.x, point.y, self.height, roll, pitch, yaw))
+    }
+
+    /// The best tensions at rest at (x, y).
+    ///
+    /// # Errors
+    /// [`SolverError`] if clarabel gives no answer.
+    pub fn distribution(&self, point: &Vector2<f64>) -> Result<Distribution, SolverError> {
+        widest_margin(&self.rig.wrench_matrix(&self.pose(point)), &self.rig.static_wrench(), &self.rig.limits)
+    }
+
+    /// Lower and upper corner of the box looked at, m: the anchors', wider by the platform's radius.
+    pub fn extent(&self) -> (Vector2<f64>, Vector2<f64>) {
+        let wider = Vector2::repeat(self.rig.platform_radius());
+        let corner = |pick: fn(f64, f64) -> f64| {
+            let anchors = self.rig.anchors.iter().map(|anchor| anchor.xy());
+            anchors.reduce(|a, b| a.zip_map(&b, pick)).unwrap_or_default()
+        };
+        (corner(f64::min) - wider, corner(f64::max) + wider)
+    }
+
+    /// The margins on a grid of `count` by `count` points over [`Self::extent`]; `row_done` is called after each row, from any
+    /// thread.
+    ///
+    /// # Errors
+    /// [`SolverError`] if clarabel gives no answer.
+    pub fn grid(&self, count: usize, row_done: impl Fn() + Sync) -> Result<Grid, SolverError> {
+        let (low, high) = self.extent();
+        let line = |k: usize| -> Vec<f64> {
+            let middle = 0.5 * (count.max(2) - 1) as f64;
+            let at =
+                |i: usize| 0.5 * (low[k] + high[k]) + 0.5 * (high[k] - low[k]) * (i as f64 / middle - 1.0);
+            (0..count).map(at).collect()
+        };
+        let (x, y) = (line(0), line(1));
+        let row = |y: &f64| {
+            let of = |x: &f64| Ok(self.distribution(&Vector2::new(*x, *y))?.signed_margin());
+            let margins = x.iter().map(of).collect();
+            row_done();
+            margins
+        };
+        let margin = y.par_iter().map(row).collect::<Result<_, _>>()?;
+        Ok(Grid { x, y, margin })
+    }
+
+    /// Where `count` rays from an interior point first leave the workspace, in order round it. A part of the workspace that cannot be
+    /// seen from there is not included.
+    ///
+    /// # Errors
+    /// [`SolverError`] if clarabel gives no answer.
+    pub fn boundary(&self, interior: &Vector2<f64>, count: usize) -> Result<Vec<Vector2<f64>>, SolverError> {
+        let (low, high) = self.extent();
+        let stride = (high - low).norm() / RAY_STEPS as f64;
+        (0..count)
+            .into_par_iter()
+            .map(|k| {
+                let azimuth = std::f64::consts::TAU * k as f64 / count as f64;
+                let direction = Vector2::new(azimuth.cos(), azimuth.sin());
+                Ok(interior + direction * self.first_exit(interior, &direction, stride)?)
+            })
+            .collect()
+    }
+
+    /// Marches until the limits are broken, then halves the last stride.
+    fn first_exit(
+        &self,
+        from: &Vector2<f64>,
+        direction: &Vector2<f64>,
+        stride: f64,
+    ) -> Result<f64, SolverError> {
+        let holds = |length: f64| Ok(self.distribution(&(from + direction * length))?.signed_margin() >= 0.0);
+        let (mut inside, mut outside) = (0.0, stride);
+        for _ in 0..RAY_STEPS {
+            if !holds(outside)? {
+                break;
+            }
+            (inside, outside) = (outside, outside + stride);
+        }
+        while outside - inside > BORDER_TOLERANCE {
+            let middle = 0.5 * (inside + outside);
+            if holds(middle)? {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Ok(inside)
+    }
+}
+
+/// The corners of a closed line of points. Where two straight parts meet between two points, the corner is where they would
+/// cross; a curved part keeps its points. Straight is what deviates by no more than `tolerance` (m).
+pub fn corners(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64>> {
+    let count = points.len();
+    let at = |k: usize| points[k % count];
+    let straight = |k: usize| !turns(&at(k), &at(k + 1), &at(k + 2), tolerance);
+    let mut sharp = vec![];
+    for k in 0..count {
+        // The straight parts k, k+1, k+2 and k+3, k+4, k+5, with the corner between k+2 and k+3.
+        sharp.push(at(k + 2));
+        if straight(k) && straight(k + 3) && !(straight(k + 1) && straight(k + 2)) {
+            sharp.extend(crossing(&at(k + 1), &at(k + 2), &at(k + 3), &at(k + 4)));
+        }
+    }
+    without_straight(&sharp, tolerance)
+}
+
+/// Drops the points of a closed line that lie between their neighbours.
+fn without_straight(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64>> {
+    let count = points.len();
+    let at = |k: usize| points[k % count];
+    let Some(first) = (0..count).find(|k| turns(&at(k + count - 1), &at(*k), &at(k + 1), tolerance)) else {
+        return points.to_vec();
+    };
+    let mut corners = vec![at(first)];
+    for k in first + 1..first + count {
+        if turns(&corners[corners.len() - 1], &at(k), &at(k + 1), tolerance) {
+            corners.push(at(k));
+        }
+    }
+    corners
+}
+
+/// Whether `point` lies farther than `tolerance` from the line through `before` and `after`.
+fn turns(before: &Vector2<f64>, point: &Vector2<f64>, after: &Vector2<f64>, tolerance: f64) -> bool {
+    let chord = after - before;
+    (chord.perp(&(point - before)) / chord.norm()).abs() > tolerance
+}
+
+/// Where the lines through a, b and through c, d cross; `None` if they are parallel.
+fn crossing(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>, d: &Vector2<f64>) -> Option<Vector2<f64>> {
+    let (along, other) = (b - a, d - c);
+    let point = a + along * ((c - a).perp(&other) / along.perp(&other));
+    point.iter().all(|x| x.is_finite()).then_some(point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reach::{in_static_workspace, polygon, static_workspace};
+    use crate::robot::{RobotParameters, TensionLimits};
+
+    fn paper() -> Rig {
+        Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
+    }
+
+    fn slice(rig: &Rig) -> Slice<'_> {
+        Slice { rig, height: 1.0, angles: Vector3::zeros() }
+    }
+
+    #[test]
+    fn paper_rig_has_the_hexagon_of_equation_16() {
+        let (robot, rig) = (RobotParameters::default(), paper());
+        let slice = slice(&rig);
+        let grid = slice.grid(41, || {}).unwrap();
+        for (point, margin) in grid.points() {
+            assert_eq!(margin > 0.0, in_static_workspace(&robot, &point), "{point}");
+        }
+        let (best, margin) = grid.best().unwrap();
+        assert!(best.norm() < 0.03 && margin > 9.0, "{margin} N at {best}");
+
+        let border = slice.boundary(&best, 360).unwrap();
+        for point in &border {
+            let slack = static_workspace(&robot).iter().map(|facet| facet.slack(point)).fold(1.0, f64::min);
+            assert!((0.0..3e-9).contains(&slack), "{slack}");
+        }
+        let found = corners(&border, 1e-6);
+        let expected = polygon(&static_workspace(&robot), 1.0);
+        assert_eq!(found.len(), 6, "{found:?}");
+        for vertex in expected {
+            assert!(found.iter().any(|corner| (corner - vertex).norm() < 1e-7), "{vertex}");
+        }
+    }
+
+    #[test]
+    fn a_least_tension_shrinks_the_workspace() {
+        let mut rig = paper();
+        rig.limits.min = 5.0;
+        let border = slice(&rig).boundary(&Vector2::zeros(), 60).unwrap();
+        for point in border {
+            let Distribution::Feasible { margin, .. } = slice(&rig).distribution(&point).unwrap() else {
+                panic!("{point} is outside")
+            };
+            assert!((0.0..1e-6).contains(&margin) && point.norm() < 0.2);
+        }
+        rig.limits.min = 11.0;
+        assert_eq!(slice(&rig).grid(21, || {}).unwrap().best(), None);
+    }
+
+    #[test]
+    fn a_circle_keeps_its_corners_and_a_square_loses_all_but_four() {
+        let on_circle = |k: i32| Vector2::new((f64::from(k) * 0.1047).cos(), (f64::from(k) * 0.1047).sin());
+        let circle: Vec<_> = (0..60).map(on_circle).collect();
+        assert_eq!(corners(&circle, 1e-6).len(), 60);
+        let side = |k: usize| (k % 10) as f64 / 10.0;
+        let square: Vec<_> = (0..40)
+            .map(|k| match k / 10 {
+                0 => Vector2::new(side(k), 0.0),
+                1 => Vector2::new(1.0, side(k)),
+                2 => Vector2::new(1.0 - side(k), 1.0),
+                _ => Vector2::new(0.0, 1.0 - side(k)),
+            })
+            .collect();
+        assert_eq!(corners(&square, 1e-9).len(), 4);
+    }
+}
