@@ -2,6 +2,7 @@
 
 pub mod bisection;
 pub mod controller;
+pub mod extremes;
 pub mod interface;
 pub mod linear_program;
 pub mod nearest;

@@ -54,23 +54,23 @@ pub fn nearest_admissible(
     if facets.iter().all(|facet| slack(facet) >= 0.0) {
         return Ok(Some(Nearest { point: *goal, distance: 0.0, cable: None }));
     }
-    // In d = x - goal: minimise |d|²/2 subject to n·d ≤ slack, n of length one so that multipliers are distances.
+    // Slack in metres; the deepest breach is the unit of length, so that the solver's tolerances are relative to the answer.
+    let in_metres = |facet: &Facet| slack(facet) / facet.half_plane.normal.norm();
+    let unit = -facets.iter().map(in_metres).fold(f64::INFINITY, f64::min);
+    // In d = (x - goal)/unit: minimise |d|²/2 subject to n·d ≤ slack, n of length one.
     let (rows, bounds): (Vec<_>, Vec<_>) = facets
         .iter()
         .map(|facet| {
-            let (normal, length) = (facet.half_plane.normal, facet.half_plane.normal.norm());
-            (vec![normal.x / length, normal.y / length], slack(facet) / length)
+            let normal = facet.half_plane.normal.normalize();
+            (vec![normal.x, normal.y], in_metres(facet) / unit)
         })
         .unzip();
     let optimum = minimise(&[1.0; 2], &[0.0; 2], &rows, &bounds)?;
     Ok(optimum.map(|optimum| {
-        let back = Vector2::new(optimum.x[0], optimum.x[1]);
+        let back = Vector2::new(optimum.x[0], optimum.x[1]) * unit;
         let held_back_by = optimum.multipliers.iter().zip(facets).max_by(|a, b| a.0.total_cmp(b.0));
-        Nearest {
-            point: goal + back,
-            distance: back.norm(),
-            cable: held_back_by.map(|(_, facet)| facet.cable),
-        }
+        let cable = held_back_by.map(|(_, facet)| facet.cable);
+        Nearest { point: goal + back, distance: back.norm(), cable }
     }))
 }
 

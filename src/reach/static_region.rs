@@ -76,18 +76,20 @@ impl Slice<'_> {
         (corner(f64::min) - wider, corner(f64::max) + wider)
     }
 
-    /// The margins on a grid of `count` by `count` points over [`Self::extent`]; `row_done` is called after each row, from any
-    /// thread.
+    /// The margins on a grid of `count` by `count` points from corner `low` to corner `high` (m); `row_done` is called after each
+    /// row, from any thread.
     ///
     /// # Errors
     /// [`SolverError`] if clarabel gives no answer.
-    pub fn grid(&self, count: usize, row_done: impl Fn() + Sync) -> Result<Grid, SolverError> {
-        let (low, high) = self.extent();
+    pub fn grid(
+        &self,
+        (low, high): (Vector2<f64>, Vector2<f64>),
+        count: usize,
+        row_done: impl Fn() + Sync,
+    ) -> Result<Grid, SolverError> {
+        let last = (count.max(2) - 1) as f64;
         let line = |k: usize| -> Vec<f64> {
-            let middle = 0.5 * (count.max(2) - 1) as f64;
-            let at =
-                |i: usize| 0.5 * (low[k] + high[k]) + 0.5 * (high[k] - low[k]) * (i as f64 / middle - 1.0);
-            (0..count).map(at).collect()
+            (0..count).map(|i| low[k] + (high[k] - low[k]) * (i as f64 / last)).collect()
         };
         let (x, y) = (line(0), line(1));
         let row = |y: &f64| {
@@ -159,6 +161,11 @@ pub fn corners(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64>> {
             sharp.extend(crossing(&at(k + 1), &at(k + 2), &at(k + 3), &at(k + 4)));
         }
     }
+    // A corner that is a point already was found again from either side.
+    sharp.dedup_by(|a, b| (*a - *b).norm() <= tolerance);
+    if sharp.len() > 1 && (sharp[0] - sharp[sharp.len() - 1]).norm() <= tolerance {
+        sharp.pop();
+    }
     without_straight(&sharp, tolerance)
 }
 
@@ -209,7 +216,7 @@ mod tests {
     fn paper_rig_has_the_hexagon_of_equation_16() {
         let (robot, rig) = (RobotParameters::default(), paper());
         let slice = slice(&rig);
-        let grid = slice.grid(41, || {}).unwrap();
+        let grid = slice.grid(slice.extent(), 41, || {}).unwrap();
         for (point, margin) in grid.points() {
             assert_eq!(margin > 0.0, in_static_workspace(&robot, &point), "{point}");
         }
@@ -241,7 +248,7 @@ mod tests {
             assert!((0.0..1e-6).contains(&margin) && point.norm() < 0.2);
         }
         rig.limits.min = 11.0;
-        assert_eq!(slice(&rig).grid(21, || {}).unwrap().best(), None);
+        assert_eq!(slice(&rig).grid(slice(&rig).extent(), 21, || {}).unwrap().best(), None);
     }
 
     #[test]

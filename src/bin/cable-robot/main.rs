@@ -1,1 +1,83 @@
-fn main() {}
+//! `cable-robot`: workspaces, reachable domains, plans and simulations from the command line.
+
+mod arguments;
+mod picture;
+mod plan;
+mod reach;
+mod rig;
+mod simulate;
+mod workspace;
+
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+const EXIT_CODES: &str = "\
+Frame: origin at the centre of the base plane, z down; metres, radians, newtons.
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable.";
+
+/// Cable robot that never lets a cable go slack: static workspace, reachable domains, plans, simulations
+#[derive(Parser)]
+#[command(name = "cable-robot", version, about, after_help = EXIT_CODES)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Static workspace of a rig at one height and orientation
+    #[command(after_help = workspace::EXAMPLE)]
+    Workspace(workspace::Workspace),
+    /// Domain (15) of the set points that may be given at rest at a point
+    #[command(after_help = reach::EXAMPLE)]
+    Reach(reach::Reach),
+    /// Set points from one pose to another, and why a goal cannot be had
+    #[command(after_help = plan::EXAMPLE)]
+    Plan(plan::Plan),
+    /// Controller and plant in a closed loop, as CSV
+    #[command(after_help = simulate::EXAMPLE)]
+    Simulate(simulate::Simulate),
+}
+
+/// What an exit code tells apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    Done,
+    NotReachable,
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().task {
+        Task::Workspace(task) => task.run(),
+        Task::Reach(task) => task.run(),
+        Task::Plan(task) => task.run(),
+        Task::Simulate(task) => task.run(),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::NotReachable) => ExitCode::from(3),
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cable-robot: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whoever reads has seen enough.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let closed = |io: &std::io::Error| io.kind() == ErrorKind::BrokenPipe;
+    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(closed))
+}
+
+/// Writes a result to stdout.
+fn print(text: &str) -> anyhow::Result<()> {
+    Ok(writeln!(std::io::stdout(), "{}", text.trim_end())?)
+}
+
+/// Writes a result for machines to stdout.
+fn print_json(value: &serde_json::Value) -> anyhow::Result<()> {
+    print(&serde_json::to_string_pretty(value)?)
+}

@@ -1,0 +1,68 @@
+//! Arguments that several commands share.
+
+use std::fs::File;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use cable_robot::plan::PlannerKind;
+use cable_robot::robot::{Coordinates, Pose};
+use clap::ValueEnum;
+
+/// Reads `x,y,z` or `x,y,z,roll,pitch,yaw`, below the base.
+pub fn pose(text: &str) -> Result<Pose, String> {
+    let numbers = numbers(text)?;
+    if numbers.len() != 3 && numbers.len() != 6 {
+        let count = numbers.len();
+        return Err(format!("{count} numbers given; a pose is x,y,z (m) or x,y,z,roll,pitch,yaw (m, rad)"));
+    }
+    if numbers[2] <= 0.0 {
+        return Err(format!("z = {}: z points down, a pose below the base has z > 0 (m)", numbers[2]));
+    }
+    let mut pose = Coordinates::zeros();
+    pose.as_mut_slice()[..numbers.len()].copy_from_slice(&numbers);
+    Ok(Pose(pose))
+}
+
+/// Reads `roll,pitch,yaw`.
+pub fn angles(text: &str) -> Result<[f64; 3], String> {
+    let numbers = numbers(text)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("{count} numbers given; an orientation is roll,pitch,yaw (rad)"))
+}
+
+/// Reads a finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    let number: f64 = text.trim().parse().map_err(|_| format!("{text:?} is not a number"))?;
+    if number.is_finite() { Ok(number) } else { Err(format!("{text} is not a finite number")) }
+}
+
+/// Reads a duration or a step, s.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = finite(text)?;
+    if seconds > 0.0 { Ok(seconds) } else { Err(format!("{text} s: must be greater than 0")) }
+}
+
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(finite).collect()
+}
+
+/// The library's planners by name.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Planner {
+    /// The paper's reachable domain, Eq. (15)
+    Bounded,
+}
+
+impl Planner {
+    /// What the library calls it.
+    pub fn kind(self) -> PlannerKind {
+        match self {
+            Self::Bounded => PlannerKind::Bounded,
+        }
+    }
+}
+
+/// Opens a file for a result, before the work that makes it.
+pub fn create(path: &Path) -> Result<File> {
+    File::create(path).with_context(|| format!("cannot write {}", path.display()))
+}
