@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Matrix6xX, Vector6};
 use super::quadratic_program::{SolverError, minimise};
 use crate::robot::TensionLimits;
 
-/// A singular value counts as zero below this share of the largest one.
+/// A row of the wrench matrix counts as a combination of others if what it adds is below this share of the largest row.
 const RANK_TOLERANCE: f64 = 1e-9;
 
 /// Whether the cables can give a wrench within their limits.
@@ -46,23 +46,26 @@ struct Solutions {
 }
 
 impl Solutions {
-    /// `None` if no tensions give the wrench, or if it cannot be told from the matrix, which holds a number that is not finite.
+    /// `None` if no tensions give the wrench, or if it cannot be told from the matrix, which holds a number
+    /// that is not finite. The matrix must have six columns at least.
     fn new(wrench_matrix: &Matrix6xX<f64>, wrench: &Vector6<f64>) -> Option<Self> {
         let cables = wrench_matrix.ncols();
-        // Rows of zeros make the matrix square, so that the decomposition gives the null space as well.
-        let mut square = DMatrix::zeros(cables.max(6), cables);
-        square.view_mut((0, 0), (6, cables)).copy_from(wrench_matrix);
-        let svd = square.try_svd(true, true, f64::EPSILON, 0)?;
-        let (u, v_t) = (svd.u?, svd.v_t?);
-        let threshold = RANK_TOLERANCE * svd.singular_values.max();
-        let rank = svd.singular_values.iter().filter(|s| **s > threshold).count();
+        // Wᵀ P = Q R, with columns of zeros that make Q square: its last columns then span the null space.
+        let mut square = DMatrix::zeros(cables, cables);
+        square.columns_mut(0, 6).copy_from(&wrench_matrix.transpose());
+        let qr = square.col_piv_qr();
+        let (q, r) = (qr.q(), qr.r());
+        let largest = r[(0, 0)].abs();
+        let rank = (0..6).take_while(|k| r[(*k, *k)].abs() > RANK_TOLERANCE * largest).count();
 
-        let mut particular = DVector::zeros(cables);
-        for (k, singular_value) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > threshold) {
-            let share = u.column(k).rows(0, 6).dot(wrench) / singular_value;
-            particular += v_t.row(k).transpose() * share;
-        }
-        let null_space = v_t.rows(rank, cables - rank).transpose();
+        // Rᵀ (Qᵀ u) = Pᵀ w, of which the first `rank` rows tell Qᵀ u and the others must hold by themselves.
+        let mut right = DVector::zeros(cables);
+        right.rows_mut(0, 6).copy_from(wrench);
+        qr.p().permute_rows(&mut right);
+        let mut known = right.rows(0, rank).into_owned();
+        r.view((0, 0), (rank, rank)).tr_solve_upper_triangular_mut(&mut known).then_some(())?;
+        let particular = q.columns(0, rank) * known;
+        let null_space = q.columns(rank, cables - rank).into_owned();
         let lacking = (wrench_matrix * &particular - wrench).norm();
         (lacking <= RANK_TOLERANCE * wrench.norm()).then_some(Self { particular, null_space })
     }
@@ -267,6 +270,19 @@ mod tests {
             }
         }
         assert!(found > 50 && tried > 300, "{found} and {tried}");
+    }
+
+    #[test]
+    fn nearly_equal_singular_values_lose_no_digits() {
+        let rig = crate::robot::RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap().rig;
+        for k in 0..4000 {
+            let pose = Pose::at(1e-3 * f64::from(k % 20), 1e-3 * f64::from(k / 20), 2.0);
+            let solutions = Solutions::new(&rig.wrench_matrix(&pose), &rig.static_wrench()).unwrap();
+            let n = &solutions.null_space;
+            assert_eq!(n.ncols(), 2);
+            assert!((n.tr_mul(n) - DMatrix::identity(2, 2)).amax() < 1e-13);
+            assert!((rig.wrench_matrix(&pose) * n).amax() < 1e-13);
+        }
     }
 
     #[test]

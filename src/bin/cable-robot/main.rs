@@ -68,13 +68,23 @@ fn main() -> ExitCode {
 
 /// Whoever reads has seen enough.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let closed = |io: &std::io::Error| io.kind() == ErrorKind::BrokenPipe;
-    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(closed))
+    error.chain().any(|cause| {
+        let io = match cause.downcast_ref::<csv::Error>().map(csv::Error::kind) {
+            Some(csv::ErrorKind::Io(io)) => Some(io),
+            _ => cause.downcast_ref::<std::io::Error>(),
+        };
+        io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)
+    })
 }
 
 /// Writes a result to stdout.
 fn print(text: &str) -> anyhow::Result<()> {
     Ok(writeln!(std::io::stdout(), "{}", text.trim_end())?)
+}
+
+/// A coordinate to a tenth of a millimetre, never -0.
+fn metres(value: f64) -> String {
+    format!("{:9.4}", (value * 1e4).round() / 1e4 + 0.0)
 }
 
 /// Writes a result for machines to stdout.

@@ -6,6 +6,7 @@ use cable_robot::reach::Slice;
 use cable_robot::reach::static_region::Grid;
 use nalgebra::Vector2;
 
+use crate::metres;
 use crate::workspace::Found;
 
 /// Shades by quarters of the greatest margin.
@@ -22,11 +23,11 @@ pub fn characters(grid: &Grid, greatest: f64) -> String {
     };
     let mut text = String::new();
     for (y, row) in grid.y.iter().zip(&grid.margin).rev().step_by(2) {
-        let _ = writeln!(text, "{y:8.3}  {}", row.iter().map(shade).collect::<String>());
+        let _ = writeln!(text, "{} {}", metres(*y), row.iter().map(shade).collect::<String>());
     }
     let (first, last) = (grid.x.first().unwrap_or(&0.0), grid.x.last().unwrap_or(&0.0));
     let width = grid.x.len();
-    let _ = writeln!(text, "   y (m)  {first:<8.3}{:^middle$}{last:>8.3}", "x (m)", middle = width - 16);
+    let _ = writeln!(text, "    y (m) {first:<8.3}{:^middle$}{last:>8.3}", "x (m)", middle = width - 16);
     let _ = writeln!(text, "margin by quarters of the greatest, from the border inwards: ░ ▒ ▓ █");
     text
 }

@@ -2,19 +2,18 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::extremes::{Extremes, TensionAt, extremes};
 use cable_robot::plan::nearest::{Nearest, nearest_admissible, workspace_facets};
 use cable_robot::plan::planner::next_set_point;
-use cable_robot::reach::in_static_workspace;
 use cable_robot::robot::{Pose, TensionLimits};
 use clap::Args;
 use serde_json::json;
 
 use crate::arguments::{Planner, pose};
-use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json};
+use crate::rig::{RigArgument, require_rest};
+use crate::{Outcome, metres, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
@@ -62,13 +61,7 @@ struct Obstacle {
 impl Plan {
     pub fn run(&self) -> Result<Outcome> {
         let parameters = self.rig.controller(self.planner.kind())?;
-        let from = self.from.position().xy();
-        ensure!(
-            in_static_workspace(&parameters.robot, &from),
-            "--from ({}, {}) lies outside the static workspace: the platform cannot rest there",
-            from.x,
-            from.y
-        );
+        require_rest(&parameters, &self.from)?;
         let planned = self.plan(&parameters)?;
         if let Some((step, smallest)) = planned.smallest.filter(|(_, u)| u.tension <= parameters.min_tension)
         {
@@ -116,7 +109,13 @@ impl Plan {
     fn as_text(&self, planned: &Planned, parameters: &ControllerParameters) -> String {
         let mut text = String::from("set points\n  i      x (m)     y (m)     z (m)\n");
         for (i, point) in std::iter::once(&self.from).chain(&planned.set_points).enumerate() {
-            let _ = writeln!(text, "  {i:<3} {:9.4} {:9.4} {:9.4}", point.0[0], point.0[1], point.0[2]);
+            let _ = writeln!(
+                text,
+                "  {i:<3} {} {} {}",
+                metres(point.0[0]),
+                metres(point.0[1]),
+                metres(point.0[2])
+            );
         }
         if let Some((step, u)) = planned.smallest {
             let _ = writeln!(text, "smallest tension: {} in step {step}", described(&u));
@@ -147,8 +146,9 @@ impl Plan {
             }
         }
         if let Some(Nearest { point, cable, .. }) = obstacle.nearest {
-            let _ = write!(text, "  nearest: ({:.4}, {:.4}, {:.4})", point.x, point.y, self.from.0[2]);
-            let _ = writeln!(text, ", {:.4} m from the goal", obstacle.distance.unwrap_or_default());
+            let place = place(point.x, point.y, self.from.0[2]);
+            let distance = obstacle.distance.unwrap_or_default();
+            let _ = writeln!(text, "  nearest: {place}, {distance:.4} m from the goal");
             if let Some(cable) = cable {
                 let _ = writeln!(text, "  beyond it cable {cable} is slack at rest");
             }
@@ -184,6 +184,10 @@ impl Plan {
 }
 
 fn described(u: &TensionAt) -> String {
-    let (x, y, z) = (u.pose.0[0], u.pose.0[1], u.pose.0[2]);
-    format!("{:.3} N in cable {} after {:.3} s at ({x:.4}, {y:.4}, {z:.4})", u.tension, u.cable, u.time)
+    let place = place(u.pose.0[0], u.pose.0[1], u.pose.0[2]);
+    format!("{:.3} N in cable {} after {:.3} s at {place}", u.tension, u.cable, u.time)
+}
+
+fn place(x: f64, y: f64, z: f64) -> String {
+    format!("({}, {}, {})", metres(x).trim(), metres(y).trim(), metres(z).trim())
 }

@@ -5,15 +5,15 @@ use std::fmt::Write;
 use anyhow::{Result, ensure};
 use cable_robot::plan::PlannerKind;
 use cable_robot::plan::nearest::{Facet, domain_facets};
-use cable_robot::reach::{BoundedDomain, in_static_workspace, polygon};
+use cable_robot::reach::{BoundedDomain, polygon};
 use cable_robot::robot::Pose;
 use clap::Args;
 use nalgebra::Vector2;
 use serde_json::json;
 
 use crate::arguments::pose;
-use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json};
+use crate::rig::{RigArgument, require_rest};
+use crate::{Outcome, metres, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot reach --from 0,0,1 --to 0.15,0.15,1
@@ -53,14 +53,11 @@ impl Reach {
             let level = pose.is_none_or(|pose| pose.angles().norm() == 0.0 && pose.0[2] == z);
             ensure!(level, "{name}: the domain (15) is of steps at one height and with zero orientation");
         }
-        ensure!(
-            in_static_workspace(robot, &from),
-            "--from ({}, {}) lies outside the static workspace: there is no rest, so no step from it",
-            from.x,
-            from.y
-        );
+        require_rest(&parameters, &self.from)?;
         let domain = BoundedDomain::new(robot, &parameters.gains(), from, z);
-        let vertices = polygon(&domain.half_planes(), 2.0 * robot.a);
+        let mut vertices = polygon(&domain.half_planes(), 2.0 * robot.a);
+        // Where three half-planes meet in one point, clipping leaves it twice.
+        vertices.dedup_by(|a, b| (*a - *b).norm() < 1e-12);
         let tried = self.to.map(|to| attempt(&domain, &from, &to.position().xy()));
         if self.json {
             print_json(&as_json(&self.from, &vertices, tried.as_ref()))?;
@@ -93,7 +90,7 @@ fn as_text(from: &Pose, vertices: &[Vector2<f64>], tried: Option<&Tried>) -> Str
         from.0[0], from.0[1], from.0[2]
     );
     for vertex in vertices {
-        let _ = writeln!(text, "  {:8.4}  {:8.4}", vertex.x, vertex.y);
+        let _ = writeln!(text, " {} {}", metres(vertex.x), metres(vertex.y));
     }
     if let Some(Tried { to, admissible, farthest, forbidden_by }) = tried {
         let verdict = match forbidden_by {
@@ -102,7 +99,12 @@ fn as_text(from: &Pose, vertices: &[Vector2<f64>], tried: Option<&Tried>) -> Str
             Some(cable) => format!("is not admissible: cable {cable} forbids it"),
         };
         let _ = writeln!(text, "({}, {}) {verdict}", to.x, to.y);
-        let _ = writeln!(text, "the domain ends in that direction at ({:.4}, {:.4})", farthest.x, farthest.y);
+        let _ = writeln!(
+            text,
+            "the domain ends in that direction at ({}, {})",
+            metres(farthest.x).trim(),
+            metres(farthest.y).trim()
+        );
     }
     text
 }

@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
-use cable_robot::robot::RigFile;
+use cable_robot::reach::in_static_workspace;
+use cable_robot::robot::{Pose, RigFile};
 use clap::Args;
 
 #[derive(Args)]
@@ -46,4 +47,16 @@ impl RigArgument {
         parameters.validate()?;
         Ok(parameters)
     }
+}
+
+/// Refuses a start where the platform cannot rest.
+pub fn require_rest(parameters: &ControllerParameters, from: &Pose) -> Result<()> {
+    let start = from.position().xy();
+    ensure!(
+        in_static_workspace(&parameters.robot, &start),
+        "--from ({}, {}) lies outside the static workspace: a cable is slack there, so there is no rest to start from",
+        start.x,
+        start.y
+    );
+    Ok(())
 }

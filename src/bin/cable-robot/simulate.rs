@@ -3,7 +3,7 @@
 use std::io::{Write, stdout};
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use cable_robot::plan::{Controller, ControllerInputs, ControllerOutputs, Status};
 use cable_robot::report::{Run, Summary};
 use cable_robot::robot::{CABLES, Pose};
@@ -13,20 +13,23 @@ use indicatif::ProgressBar;
 use serde_json::json;
 
 use crate::arguments::{Planner, create, pose, seconds};
-use crate::rig::RigArgument;
+use crate::rig::{RigArgument, require_rest};
 use crate::{Outcome, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate --to 0.15,0.15,1 --output run.csv
 Exit code 3: the controller ended with the status GoalUnreachable.";
 
+/// Steps that are recorded at most.
+const MOST_STEPS: f64 = 1e7;
+
 #[derive(Args)]
 pub struct Simulate {
     #[command(flatten)]
     rig: RigArgument,
-    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad
-    #[arg(long, value_parser = pose, default_value = "0,0,1", allow_hyphen_values = true)]
-    from: Pose,
+    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad; without it the rig's home
+    #[arg(long, value_parser = pose, allow_hyphen_values = true)]
+    from: Option<Pose>,
     /// x,y,z[,roll,pitch,yaw] of the goal, m and rad
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Pose,
@@ -49,34 +52,38 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(&self) -> Result<Outcome> {
-        let file = self.output.as_deref().map(create).transpose()?;
         let parameters = self.rig.controller(self.planner.kind())?;
-        let plant =
-            PlantParameters { robot: parameters.robot, initial_pose: self.from, ..Default::default() };
-        let mut plant = Plant::new(plant, &PlantInputs::default())?;
-        let mut controller = Controller::new(parameters, 0.0, &inputs(plant.outputs(), self.to))?;
-
-        let sink: Box<dyn Write> = match file {
-            Some(file) => Box::new(file),
+        let from = self.from.map_or_else(|| self.rig.read().map(|file| file.home), Ok)?;
+        require_rest(&parameters, &from)?;
+        let steps = (self.duration / self.step).round();
+        ensure!(
+            (1.0..=MOST_STEPS).contains(&steps),
+            "--duration {} s in steps of {} s makes {steps} steps: 1 to {MOST_STEPS} are allowed",
+            self.duration,
+            self.step
+        );
+        let sink: Box<dyn Write> = match &self.output {
+            Some(path) => Box::new(create(path)?),
             None if self.json => Box::new(std::io::sink()),
             None => Box::new(stdout().lock()),
         };
         let mut csv = csv::Writer::from_writer(sink);
         csv.write_record(header())?;
+
+        let plant = PlantParameters { robot: parameters.robot, initial_pose: from, ..Default::default() };
+        let hanging = Plant::new(plant, &PlantInputs::default())?;
+        let mut controller = Controller::new(parameters, 0.0, &inputs(hanging.outputs(), self.to))?;
+        let mut plant = Plant::new(plant, &pull(controller.outputs()))?;
         let mut run = Run::default();
-        let steps = (self.duration / self.step).round() as u64;
+        record(&mut run, &mut csv, 0.0, controller.outputs(), plant.outputs())?;
         // Shown on a terminal only.
-        let bar = ProgressBar::new(steps);
-        for k in 0..=steps {
+        let bar = ProgressBar::new(steps as u64);
+        for k in 0..steps as u64 {
             let time = k as f64 * self.step;
             controller.step(time, &inputs(plant.outputs(), self.to));
-            let output = controller.outputs();
-            // Tensions and slack are those of the step that begins now; the pose is the one at its start.
-            let pull = PlantInputs { motor_tension: output.motor_tension, ..PlantInputs::default() };
-            let pose = plant.outputs().encoder_pose;
-            plant.step(&pull, self.step).with_context(|| format!("at {time} s"))?;
-            csv.write_record(row(time, &pose, output).iter().map(ToString::to_string))?;
-            record(&mut run, time, &pose, output, plant.outputs());
+            plant.step(&pull(controller.outputs()), self.step).with_context(|| format!("at {time} s"))?;
+            let after = (k + 1) as f64 * self.step;
+            record(&mut run, &mut csv, after, controller.outputs(), plant.outputs())?;
             bar.inc(1);
         }
         csv.flush()?;
@@ -105,33 +112,43 @@ fn inputs(plant: &PlantOutputs, goal: Pose) -> ControllerInputs {
 fn header() -> Vec<String> {
     let pose =
         |name: &'static str| ["x", "y", "z", "roll", "pitch", "yaw"].map(|axis| format!("{name}.{axis}"));
-    let tensions = (1..=CABLES).map(|i| format!("motorTension[{i}]"));
+    let tensions = (1..=CABLES).map(|i| format!("measuredTension[{i}]"));
     let single = ["setPointIndex", "tensionMargin", "steady", "atGoal", "status"].map(str::to_owned);
     let time = std::iter::once("time".to_owned());
     time.chain(pose("encoderPose")).chain(pose("setPoint")).chain(tensions).chain(single).collect()
 }
 
-fn row(time: f64, pose: &Pose, output: &ControllerOutputs) -> Vec<f64> {
-    let mut row = vec![time];
-    row.extend(pose.0.iter().chain(output.set_point.0.iter()).chain(&output.motor_tension));
-    row.extend([output.set_point_index.into(), output.tension_margin]);
-    row.extend([output.steady.into(), output.at_goal.into(), f64::from(output.status as i32)]);
-    row
+fn pull(output: &ControllerOutputs) -> PlantInputs {
+    PlantInputs { motor_tension: output.motor_tension, ..PlantInputs::default() }
 }
 
-fn record(run: &mut Run, time: f64, pose: &Pose, output: &ControllerOutputs, plant: &PlantOutputs) {
+/// Takes down the plant at `time` and what the controller said for the step that led there.
+fn record(
+    run: &mut Run,
+    csv: &mut csv::Writer<Box<dyn Write>>,
+    time: f64,
+    output: &ControllerOutputs,
+    plant: &PlantOutputs,
+) -> csv::Result<()> {
+    let (pose, set_point) = (plant.encoder_pose.0, output.set_point.0);
     run.times.push(time);
     for k in 0..3 {
-        run.position[k].push(pose.0[k]);
-        run.set_point[k].push(output.set_point.0[k]);
+        run.position[k].push(pose[k]);
+        run.set_point[k].push(set_point[k]);
     }
     run.set_point_index.push(output.set_point_index.into());
     for i in 0..CABLES {
-        run.tension[i].push(output.motor_tension[i]);
+        run.tension[i].push(plant.measured_tension[i]);
         run.slack[i].push(plant.slack[i].into());
     }
     run.tension_margin.push(output.tension_margin);
     run.at_goal.push(output.at_goal.into());
+
+    let mut row = vec![time];
+    row.extend(pose.iter().chain(set_point.iter()).chain(&plant.measured_tension));
+    row.extend([output.set_point_index.into(), output.tension_margin]);
+    row.extend([output.steady.into(), output.at_goal.into(), f64::from(output.status as i32)]);
+    csv.serialize(row)
 }
 
 fn as_text(summary: &Summary, status: Status, duration: f64) -> String {

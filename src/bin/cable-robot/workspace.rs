@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::arguments::{angles, create, finite};
 use crate::rig::RigArgument;
-use crate::{Outcome, picture, print, print_json};
+use crate::{Outcome, metres, picture, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot workspace --rig rigs/eight.toml --height 2 --svg workspace.svg";
@@ -143,15 +143,15 @@ fn as_text(slice: &Slice, found: Option<&Found>) -> String {
     let _ = writeln!(text, "z = {} m: area {:.4} m²", slice.height, found.area);
     let _ = writeln!(
         text,
-        "greatest margin: {margin:.3} N at ({:.4}, {:.4}), the least distance of a tension to a limit\n",
-        deepest.x + 0.0,
-        deepest.y + 0.0
+        "greatest margin: {margin:.3} N at ({}, {}), the least distance of a tension to a limit\n",
+        metres(deepest.x).trim(),
+        metres(deepest.y).trim()
     );
     text += &picture::characters(&found.grid, margin);
     if found.corners.len() <= 24 {
         text += "\ncorners\n     x (m)     y (m)\n";
         for corner in &found.corners {
-            let _ = writeln!(text, "  {:8.4}  {:8.4}", corner.x, corner.y);
+            let _ = writeln!(text, " {} {}", metres(corner.x), metres(corner.y));
         }
     } else {
         let count = found.corners.len();
