@@ -21,7 +21,7 @@ Example: cable-robot simulate --to 0.15,0.15,1 --output run.csv
 Exit code 3: the controller ended with the status GoalUnreachable.";
 
 /// Steps that are recorded at most.
-const MOST_STEPS: f64 = 1e7;
+const MOST_STEPS: f64 = 1e6;
 
 #[derive(Args)]
 pub struct Simulate {
@@ -58,7 +58,7 @@ impl Simulate {
         let steps = (self.duration / self.step).round();
         ensure!(
             (1.0..=MOST_STEPS).contains(&steps),
-            "--duration {} s in steps of {} s makes {steps} steps: 1 to {MOST_STEPS} are allowed",
+            "--duration {:?} s in steps of {:?} s makes {steps:?} steps: 1 to {MOST_STEPS} are allowed",
             self.duration,
             self.step
         );

@@ -27,6 +27,9 @@ const RAYS: usize = 360;
 /// What counts as straight, m.
 const STRAIGHT: f64 = 1e-6;
 
+/// Share of the workspace outside the border that is more than what a grid gives for a border of chords.
+const WORTH_SAYING: f64 = 5e-3;
+
 #[derive(Args)]
 pub struct Workspace {
     #[command(flatten)]
@@ -77,7 +80,7 @@ impl Workspace {
         } else {
             print(&as_text(&slice, found.as_ref()))?;
         }
-        if let Some(found) = found.filter(|found| found.unseen > 0.0) {
+        if let Some(found) = found.filter(|found| found.unseen > WORTH_SAYING) {
             eprintln!(
                 "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
                 100.0 * found.unseen

@@ -1,0 +1,251 @@
+//! The built `cable-robot`, as a user runs it.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cable-robot"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the binary is built")
+}
+
+/// What a command that must end with `code` wrote to stdout and stderr.
+fn written(code: i32, arguments: &[&str]) -> (String, String) {
+    let output = run(arguments);
+    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}\n{out}\n{err}");
+    (out, err)
+}
+
+fn json(code: i32, arguments: &[&str]) -> Value {
+    let (out, _) = written(code, &[arguments, &["--json"]].concat());
+    serde_json::from_str(&out).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// The refusal of a rig file with this text.
+fn refused_rig(text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("my rig.toml");
+    fs::write(&path, text).unwrap();
+    let (out, err) = written(1, &["workspace", "--rig", path.to_str().unwrap()]);
+    assert!(out.is_empty() && err.contains("my rig.toml"), "{err}");
+    err
+}
+
+#[test]
+fn workspace_of_the_papers_rig_is_the_hexagon() {
+    let found = json(0, &["workspace"]);
+    let vertices = found["vertices"].as_array().unwrap();
+    assert_eq!(vertices.len(), 6);
+    for vertex in vertices {
+        let radius = number(&vertex[0]).hypot(number(&vertex[1]));
+        assert!((radius - 0.225 / 30f64.to_radians().cos()).abs() < 1e-7, "{vertex}");
+    }
+    // 6 triangles of height a/2.
+    assert!((number(&found["area"]) - 6.0 * 0.225f64.powi(2) * 30f64.to_radians().tan()).abs() < 1e-7);
+    assert!((number(&found["deepest"]["margin"]) - 10.7612).abs() < 0.01);
+
+    let (text, err) = written(0, &["workspace", "--height", "0.7"]);
+    assert!(
+        text.contains("area 0.1754") && text.contains('█') && text.contains("-0.2598    0.0000"),
+        "{text}"
+    );
+    assert!(err.is_empty(), "{err}");
+}
+
+#[test]
+fn workspace_of_eight_cables_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    let arguments = ["workspace", "--rig", "rigs/eight.toml", "--svg", path.to_str().unwrap()];
+    let found = json(0, &arguments);
+    assert!(number(&found["area"]) > 1.0 && number(&found["deepest"]["margin"]) > 5.0, "{found}");
+    let svg = fs::read_to_string(path).unwrap();
+    let mut reader = quick_xml::Reader::from_str(&svg);
+    let mut circles = 0;
+    loop {
+        match reader.read_event().unwrap() {
+            quick_xml::events::Event::Eof => break,
+            quick_xml::events::Event::Empty(tag) => circles += usize::from(tag.name().as_ref() == b"circle"),
+            _ => {}
+        }
+    }
+    assert_eq!(circles, 5, "four posts and the deepest point");
+}
+
+#[test]
+fn an_empty_workspace_is_a_result() {
+    let found = json(0, &["workspace", "--orientation", "1.5,0,0"]);
+    assert_eq!((&found["empty"], &found["deepest"]), (&Value::Bool(true), &Value::Null));
+    let (text, _) = written(0, &["workspace", "--orientation", "1.5,0,0"]);
+    assert!(text.contains("empty"), "{text}");
+}
+
+#[test]
+fn rigs_that_make_no_sense_are_refused_with_line_field_and_cause() {
+    let paper = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/paper.toml")).unwrap();
+    let error = refused_rig(&paper.replace("mass = 6.0", "mass = -6.0"));
+    let line = paper.lines().position(|line| line.starts_with("mass")).unwrap() + 1;
+    assert!(error.contains(&format!("line {line}: platform.mass = -6")) && error.contains("greater than 0"));
+    let error = refused_rig(&paper.replace("gravity = 9.81", "gravitas = 9.81"));
+    assert!(error.contains("gravitas") && error.contains("gravity"), "{error}");
+    let error = refused_rig(&paper.replace("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, 0.0]"));
+    assert!(error.contains("in one plane"), "{error}");
+    let (_, error) = written(1, &["workspace", "--rig", "no/such.toml"]);
+    assert!(error.contains("no/such.toml"), "{error}");
+}
+
+#[test]
+fn planner_and_controller_refuse_a_rig_of_another_shape() {
+    for task in ["reach", "plan", "simulate"] {
+        let arguments = [task, "--rig", "rigs/eight.toml", "--to", "0.1,0,2", "--from", "0,0,2"];
+        let (_, error) = written(1, &arguments);
+        assert!(error.contains("8 cables"), "{error}");
+    }
+}
+
+#[test]
+fn the_papers_move_takes_four_set_points() {
+    let plan = json(0, &["plan", "--from", "0,0,1", "--to", "0.15,0.15,1"]);
+    let x: Vec<_> = plan["setPoints"].as_array().unwrap().iter().map(|point| number(&point[0])).collect();
+    for (x, expected) in x.iter().zip([0.0855, 0.1266, 0.1464, 0.15]) {
+        assert!((x - expected).abs() < 5e-5, "{x} is not {expected}");
+    }
+    assert_eq!((x.len(), &plan["reachable"], &plan["obstacle"]), (4, &Value::Bool(true), &Value::Null));
+    let smallest = &plan["smallestTension"];
+    assert_eq!((&smallest["step"], &smallest["at"]["cable"]), (&4.into(), &5.into()));
+    assert!((number(&smallest["at"]["tension"]) - 1.050).abs() < 5e-4);
+}
+
+#[test]
+fn a_goal_outside_is_explained_and_the_nearest_point_given() {
+    let arguments = ["plan", "--from", "0,0,1", "--to", "0,-0.4,1"];
+    let obstacle = json(3, &arguments)["obstacle"].take();
+    // Facet 3, normal -y, apothem 0.225 m; the point stays 1 mm inside.
+    assert_eq!(obstacle["firstOutside"]["cable"], 3);
+    assert_eq!(obstacle["nearest"]["forbiddenBy"], 3);
+    assert!((number(&obstacle["nearest"]["distance"]) - 0.176).abs() < 1e-6, "{obstacle}");
+    assert!((number(&obstacle["nearest"]["point"][1]) + 0.224).abs() < 1e-6, "{obstacle}");
+    assert!(number(&obstacle["firstOutside"]["tension"]) <= 0.0);
+    let (text, _) = written(3, &arguments);
+    assert!(text.contains("cannot be had") && text.contains("nearest: (0.0000, -0.2240, 1.0000)"), "{text}");
+}
+
+#[test]
+fn a_rig_file_changes_what_can_be_reached() {
+    let paper = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/paper.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("quick.toml");
+    fs::write(&path, paper.replace("lambda = 3.0", "lambda = 1.0").replace("eta = 3.0", "eta = 1.0"))
+        .unwrap();
+    let slower =
+        json(0, &["plan", "--rig", path.to_str().unwrap(), "--from", "0,0,1", "--to", "0.15,0.15,1"]);
+    assert!(slower["setPoints"].as_array().unwrap().len() < 4, "{slower}");
+}
+
+#[test]
+fn reach_gives_the_polygon_and_where_a_ray_leaves_it() {
+    let domain = json(3, &["reach", "--from", "0,0,1", "--to", "0.15,0.15,1"]);
+    assert_eq!(domain["vertices"].as_array().unwrap().len(), 6);
+    let to = &domain["to"];
+    assert_eq!((&to["admissible"], &to["forbiddenBy"]), (&Value::Bool(false), &5.into()));
+    // The planner's bisection stops within 1/256 of it: 0.0855.
+    let x = number(&to["farthest"][0]);
+    assert!((0.0855..0.0855 + 0.15 / 256.0 + 1e-4).contains(&x), "{x}");
+    let inside = json(0, &["reach", "--from", "0,0,1", "--to", "0.08,0.08,1"]);
+    assert_eq!(inside["to"]["admissible"], true);
+    let (_, error) = written(1, &["reach", "--from", "0.3,0,1"]);
+    assert!(error.contains("outside the static workspace"), "{error}");
+}
+
+#[test]
+fn simulate_writes_csv_and_arrives() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.csv");
+    let arguments = ["simulate", "--to", "0.05,0,1", "--duration", "4", "--step", "0.01"];
+    let (to_stdout, summary) = written(0, &arguments);
+    assert!(summary.contains("slack cables: none"), "{summary}");
+    let with_file = [&arguments[..], &["--output", path.to_str().unwrap()]].concat();
+    let found = json(0, &with_file);
+    assert_eq!(found["status"], "AtGoal");
+    assert_eq!(fs::read_to_string(&path).unwrap(), to_stdout);
+
+    let mut reader = csv::Reader::from_reader(to_stdout.as_bytes());
+    let columns = reader.headers().unwrap().len();
+    let rows: Vec<Vec<f64>> = reader.deserialize().map(Result::unwrap).collect();
+    assert!(rows.len() == 401 && rows.iter().all(|row| row.len() == columns));
+    let last = &rows[400];
+    assert!((last[0] - 4.0).abs() < 1e-12 && (last[1] - 0.05).abs() < 2e-3, "{last:?}");
+
+    written(3, &["simulate", "--to", "0,0.4,1", "--duration", "1", "--step", "0.01"]);
+}
+
+#[test]
+fn bad_arguments_are_refused_with_what_is_allowed() {
+    for (pose, cause) in [
+        ("0,0,-1", "below the base"),
+        ("0,0,0", "below the base"),
+        ("0,nan,1", "not a finite number"),
+        ("0,0,inf", "not a finite number"),
+        ("0,1", "2 numbers given"),
+        ("0,0,1,0", "4 numbers given"),
+        ("0,zero,1", "not a number"),
+    ] {
+        let (out, error) = written(2, &["plan", "--from", "0,0,1", "--to", pose]);
+        assert!(out.is_empty() && error.contains(cause) && error.contains("--to"), "{pose}: {error}");
+    }
+    written(2, &["simulate", "--to", "0,0,1", "--step", "0"]);
+    written(2, &["workspace", "--height", "high"]);
+    written(2, &[]);
+    let (_, error) = written(1, &["simulate", "--to", "0,0,1", "--duration", "1e300"]);
+    assert!(error.contains("steps"), "{error}");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_work() {
+    let (out, error) = written(1, &["simulate", "--to", "0.1,0,1", "--output", "no/such/folder/run.csv"]);
+    assert!(
+        out.is_empty() && error.contains("no/such/folder/run.csv") && !error.contains("set points"),
+        "{error}"
+    );
+    let (out, error) = written(1, &["workspace", "--svg", "no/such/folder/w.svg"]);
+    assert!(out.is_empty() && error.contains("no/such/folder/w.svg"), "{error}");
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
+        .args(["simulate", "--to", "0.1,0,1", "--duration", "5"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr), (Some(0), vec![]));
+}
+
+#[test]
+fn help_of_every_command_has_an_example_and_the_exit_codes_stand_in_the_first() {
+    let (help, _) = written(0, &["--help"]);
+    assert!(help.contains("Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable"), "{help}");
+    for task in ["workspace", "reach", "plan", "simulate"] {
+        let (help, _) = written(0, &[task, "--help"]);
+        let example = help.lines().find_map(|line| line.strip_prefix("Example: cable-robot ")).expect(task);
+        let folder = tempfile::tempdir().unwrap();
+        let rigs = folder.path().join("rigs");
+        fs::create_dir(&rigs).unwrap();
+        fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/eight.toml"), rigs.join("eight.toml")).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cable-robot"));
+        let output = command.args(example.split_whitespace()).current_dir(folder.path()).output().unwrap();
+        assert!(matches!(output.status.code(), Some(0 | 3)), "{example}: {output:?}");
+    }
+}
