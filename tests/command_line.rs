@@ -74,7 +74,7 @@ fn workspace_of_eight_cables_is_drawn() {
     loop {
         match reader.read_event().unwrap() {
             quick_xml::events::Event::Eof => break,
-            quick_xml::events::Event::Empty(tag) => circles += usize::from(tag.name().as_ref() == b"circle"),
+            quick_xml::events::Event::Empty(tag) => circles += usize::from(tag.name().as_ref() == "circle"),
             _ => {}
         }
     }
@@ -83,9 +83,10 @@ fn workspace_of_eight_cables_is_drawn() {
 
 #[test]
 fn an_empty_workspace_is_a_result() {
-    let found = json(0, &["workspace", "--orientation", "1.5,0,0"]);
+    // Above the base every cable pulls down.
+    let found = json(0, &["workspace", "--height", "-1"]);
     assert_eq!((&found["empty"], &found["deepest"]), (&Value::Bool(true), &Value::Null));
-    let (text, _) = written(0, &["workspace", "--orientation", "1.5,0,0"]);
+    let (text, _) = written(0, &["workspace", "--height", "-1"]);
     assert!(text.contains("empty"), "{text}");
 }
 
