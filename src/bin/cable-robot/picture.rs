@@ -53,7 +53,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
     let _ = writeln!(
         text,
         "<path d=\"M0 {zero_y:.2}H{SIDE}M{zero_x:.2} 0V{SIDE}\" stroke=\"#ccc\"/>\n\
-         <text x=\"{:.0}\" y=\"{:.2}\">x</text><text x=\"{:.2}\" y=\"18\">y</text>",
+         <text x=\"{:.0}\" y=\"{:.2}\">x</text><text x=\"{:.2}\" y=\"48\">y</text>",
         SIDE - 18.0,
         zero_y - 6.0,
         zero_x + 6.0
