@@ -36,6 +36,11 @@ impl Response {
         [xd + e, de, dde]
     }
 
+    /// f and φ.
+    pub fn unit(&self) -> [f64; 2] {
+        [self.f[0], self.phi[0]]
+    }
+
     /// f, f', f'': the normalised step error (x - x_d)/(x₀ - x_d) from rest and its derivatives (1/s, 1/s²).
     pub fn step_error(&self) -> [f64; 3] {
         self.f
