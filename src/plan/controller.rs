@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
-use super::planner;
+use super::planner::{self, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
 use crate::robot::dynamics::static_tensions;
@@ -173,7 +173,7 @@ impl Controller {
         self.predict();
     }
 
-    /// Fig. 4: every T_s, at rest, the next set point; a new goal is taken up at the next of these ticks.
+    /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.
     fn plan(&mut self, goal: &Pose) {
         let period = self.parameters.planner_period;
         let elapsed = (self.time - self.started) / period;
@@ -183,22 +183,23 @@ impl Controller {
         }
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
-        let reachable = planner::is_reachable(&self.parameters.robot, &set_point, goal);
-        if self.is_steady() {
-            let next = planner::next_set_point(&self.parameters, &set_point, goal);
-            self.unreachable = !reachable || (next.is_none() && set_point != *goal);
-            if let Some(next) = next {
-                self.outputs.set_point = next;
-                self.outputs.set_point_index += 1;
-            }
-        } else {
-            self.unreachable = !reachable;
+        let next = planner::next_set_point(&self.parameters, &self.situation(), goal);
+        let stuck = self.is_steady() && next.is_none() && set_point != *goal;
+        self.unreachable = stuck || !planner::is_reachable(&self.parameters, &set_point, goal);
+        if let Some(next) = next {
+            self.outputs.set_point = next;
+            self.outputs.set_point_index += 1;
         }
         self.predict();
     }
 
+    fn situation(&self) -> Situation<'_> {
+        let Estimator { pose, rates } = &self.estimator;
+        Situation { pose, rates, set_point: &self.outputs.set_point }
+    }
+
     fn is_steady(&self) -> bool {
-        planner::is_steady(&self.estimator.pose, &self.estimator.rates, &self.outputs.set_point)
+        self.situation().is_steady()
     }
 
     fn predict(&mut self) {

@@ -1,11 +1,11 @@
-//! Eq. (17): the next set point on the way to the goal, from rest at the last one.
+//! Eq. (17): the next set point on the way to the goal.
 
 use nalgebra::Vector2;
 
 use super::bisection::smallest_admissible;
 use super::interface::{ControllerParameters, PlannerKind};
-use crate::reach::{BoundedDomain, in_static_workspace};
-use crate::robot::{Coordinates, Pose, RobotParameters};
+use crate::reach::{BoundedDomain, ExactDomain, in_static_workspace};
+use crate::robot::{Coordinates, Pose, TensionLimits};
 
 /// The motion counts as at rest below these rates, m/s and rad/s,
 const REST_SPEED: f64 = 2e-3;
@@ -14,42 +14,95 @@ const REST_ANGULAR_RATE: f64 = 1e-2;
 const NEAR_POSITION: f64 = 2e-3;
 const NEAR_ANGLE: f64 = 1e-2;
 
-/// The steady-state test of Fig. 4: at rest at the set point, so that (15), which assumes x'₀ = 0, may be used again.
-pub fn is_steady(pose: &Pose, rates: &Coordinates, set_point: &Pose) -> bool {
-    let error = pose.minus(set_point);
-    error.fixed_rows::<3>(0).norm() < NEAR_POSITION
-        && error.fixed_rows::<3>(3).amax() < NEAR_ANGLE
-        && rates.fixed_rows::<3>(0).norm() < REST_SPEED
-        && rates.fixed_rows::<3>(3).amax() < REST_ANGULAR_RATE
+/// Tension that the exact domain leaves unused, N: what holding the tensions over a sample may cost.
+const SAMPLING_MARGIN: f64 = 0.1;
+/// A set point nearer than this to the last one is not worth giving, m.
+const SMALLEST_STEP: f64 = 1e-5;
+
+/// What the planner starts from: where the robot is, how it moves, where it was last told to go.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation<'a> {
+    /// Estimated pose.
+    pub pose: &'a Pose,
+    /// Estimated rates, m/s and rad/s.
+    pub rates: &'a Coordinates,
+    /// The active set point.
+    pub set_point: &'a Pose,
 }
 
-/// Whether every cable would be in tension at rest at the goal and (15) speaks of the motion from `from` to it: a move in x and y
-/// at constant height with zero orientation, each to within what counts as being there.
-pub fn is_reachable(robot: &RobotParameters, from: &Pose, goal: &Pose) -> bool {
-    is_horizontal(from, goal) && in_static_workspace(robot, &horizontal(goal))
+impl Situation<'_> {
+    /// The steady-state test of Fig. 4: at rest at the set point.
+    pub fn is_steady(&self) -> bool {
+        let error = self.pose.minus(self.set_point);
+        error.fixed_rows::<3>(0).norm() < NEAR_POSITION
+            && error.fixed_rows::<3>(3).amax() < NEAR_ANGLE
+            && self.rates.fixed_rows::<3>(0).norm() < REST_SPEED
+            && self.rates.fixed_rows::<3>(3).amax() < REST_ANGULAR_RATE
+    }
 }
 
-/// The set point to give at rest at `from`; `None` if the planner cannot get nearer to the goal.
-pub fn next_set_point(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
+/// Whether every cable would be in tension at rest at the goal and the planner's domain speaks of the motion to it: for (15) a move in x and y at
+/// constant height, for the exact domain any translation; both with zero orientation, to within what counts as being there.
+pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> bool {
+    let covered = match parameters.planner {
+        PlannerKind::Bounded => is_horizontal(from, goal),
+        PlannerKind::Exact => is_translation(from, goal),
+    };
+    covered && in_static_workspace(&parameters.robot, &horizontal(goal))
+}
+
+/// The set point to give now; `None` if there is none nearer to the goal, or, for (15), not before the robot rests.
+pub fn next_set_point(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
+    match parameters.planner {
+        PlannerKind::Bounded if now.is_steady() => bounded(parameters, now.set_point, goal),
+        PlannerKind::Bounded => None,
+        PlannerKind::Exact => exact(parameters, now, goal),
+    }
+}
+
+/// (17) with the domain (15), which assumes x'₀ = 0 at the last set point.
+fn bounded(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
     if from == goal || !is_horizontal(from, goal) {
         return None;
     }
     let (x_prev, x_f) = (horizontal(from), horizontal(goal));
     let at = |beta: f64| x_f + (x_prev - x_f) * beta; // (17)
-    let beta = match parameters.planner {
-        PlannerKind::Bounded => {
-            let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, goal.0[2]);
-            smallest_admissible(parameters.bisection_steps, |beta| domain.contains(&at(beta)))
-        }
-    };
+    let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, goal.0[2]);
+    let beta = smallest_admissible(parameters.bisection_steps, |beta| domain.contains(&at(beta)));
     let mut set_point = *goal;
     set_point.0.fixed_rows_mut::<2>(0).copy_from(&at(beta));
     (beta < 1.0).then_some(set_point)
 }
 
+/// The farthest set point towards the goal that is admissible from the state the robot is in, moving or not. The active set point is
+/// admissible from every state on the way to it, so there is always one (docs/exact.md).
+fn exact(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
+    let turning = now.rates.fixed_rows::<3>(3).amax();
+    if now.set_point == goal || !is_translation(now.pose, goal) || turning >= REST_ANGULAR_RATE {
+        return None;
+    }
+    let limits =
+        TensionLimits { min: parameters.min_tension.max(SAMPLING_MARGIN), max: parameters.max_tension };
+    let velocity = now.rates.fixed_rows::<3>(0).into_owned();
+    let domain =
+        ExactDomain::new(&parameters.robot, &parameters.gains(), limits, now.pose.position(), velocity);
+    let (from, to) = (now.set_point.position(), goal.position());
+    if domain.contains(&to) {
+        return Some(*goal);
+    }
+    let way = (to - from) * domain.farthest(&from, &to)?;
+    let mut set_point = *goal;
+    set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + way));
+    (way.norm() > SMALLEST_STEP).then_some(set_point)
+}
+
 fn is_horizontal(from: &Pose, goal: &Pose) -> bool {
+    is_translation(from, goal) && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION
+}
+
+fn is_translation(from: &Pose, goal: &Pose) -> bool {
     let level = |pose: &Pose| pose.0.fixed_rows::<3>(3).amax() < NEAR_ANGLE;
-    goal.0[2] > 0.0 && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION && level(from) && level(goal)
+    goal.0[2] > 0.0 && level(from) && level(goal)
 }
 
 fn horizontal(pose: &Pose) -> Vector2<f64> {
@@ -66,7 +119,7 @@ mod tests {
         let goal = Pose::at(0.15, 0.15, 1.0);
         let mut sequence = vec![];
         let mut from = Pose::default();
-        while let Some(next) = next_set_point(&parameters, &from, &goal) {
+        while let Some(next) = bounded(&parameters, &from, &goal) {
             sequence.push(next.0[0]);
             assert_eq!(next.0[0], next.0[1]);
             from = next;
@@ -86,8 +139,8 @@ mod tests {
             Pose::at(0.0, 0.0, -1.0),
             Pose(Coordinates::new(0.1, 0.0, 1.0, 0.0, 0.0, 0.2)),
         ] {
-            assert_eq!(next_set_point(&parameters, &Pose::default(), &goal), None);
-            assert!(!is_reachable(&parameters.robot, &Pose::default(), &goal));
+            assert_eq!(bounded(&parameters, &Pose::default(), &goal), None);
+            assert!(!is_reachable(&parameters, &Pose::default(), &goal));
         }
     }
 
@@ -96,10 +149,20 @@ mod tests {
         let parameters = ControllerParameters::default();
         let goal = Pose::at(0.0, 0.4, 1.0);
         let mut from = Pose::default();
-        while let Some(next) = next_set_point(&parameters, &from, &goal) {
+        while let Some(next) = bounded(&parameters, &from, &goal) {
             from = next;
         }
         assert!(from.0[1] > 0.2 && in_static_workspace(&parameters.robot, &horizontal(&from)), "{from:?}");
-        assert!(!is_reachable(&parameters.robot, &from, &goal));
+        assert!(!is_reachable(&parameters, &from, &goal));
+    }
+
+    #[test]
+    fn exact_takes_the_papers_move_in_one_step_and_a_rise_as_well() {
+        let parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
+        let start = Pose::default();
+        let now = Situation { pose: &start, rates: &Coordinates::zeros(), set_point: &start };
+        for goal in [Pose::at(0.15, 0.15, 1.0), Pose::at(-0.1, 0.05, 0.8)] {
+            assert_eq!(next_set_point(&parameters, &now, &goal), Some(goal));
+        }
     }
 }
