@@ -1,10 +1,10 @@
 //! Eq. (17): the next set point on the way to the goal.
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 use super::bisection::smallest_admissible;
 use super::interface::{ControllerParameters, PlannerKind};
-use crate::reach::{BoundedDomain, ExactDomain, in_static_workspace};
+use crate::reach::{BoundedDomain, Curve, ExactDomain, static_workspace};
 use crate::robot::{Coordinates, Pose, TensionLimits};
 
 /// The motion counts as at rest below these rates, m/s and rad/s,
@@ -31,24 +31,41 @@ pub struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// The steady-state test of Fig. 4: at rest at the set point.
+    /// The steady-state test of Fig. 4: at rest at the set point, to within what counts as that.
     pub fn is_steady(&self) -> bool {
+        self.is_steady_within(1.0)
+    }
+
+    /// The same with all tolerances multiplied.
+    pub fn is_steady_within(&self, factor: f64) -> bool {
         let error = self.pose.minus(self.set_point);
-        error.fixed_rows::<3>(0).norm() < NEAR_POSITION
-            && error.fixed_rows::<3>(3).amax() < NEAR_ANGLE
-            && self.rates.fixed_rows::<3>(0).norm() < REST_SPEED
-            && self.rates.fixed_rows::<3>(3).amax() < REST_ANGULAR_RATE
+        error.fixed_rows::<3>(0).norm() < factor * NEAR_POSITION
+            && error.fixed_rows::<3>(3).amax() < factor * NEAR_ANGLE
+            && self.rates.fixed_rows::<3>(0).norm() < factor * REST_SPEED
+            && self.rates.fixed_rows::<3>(3).amax() < factor * REST_ANGULAR_RATE
     }
 }
 
-/// Whether every cable would be in tension at rest at the goal and the planner's domain speaks of the motion to it: for (15) a move in x and y at
-/// constant height, for the exact domain any translation; both with zero orientation, to within what counts as being there.
+/// Whether the robot can rest at the goal with every tension within its limits, and the planner's domain speaks of the motion to it: for
+/// (15) a move in x and y at constant height, for the exact domain any translation; both with zero orientation.
 pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> bool {
     let covered = match parameters.planner {
         PlannerKind::Bounded => is_horizontal(from, goal),
         PlannerKind::Exact => is_translation(from, goal),
     };
-    covered && in_static_workspace(&parameters.robot, &horizontal(goal))
+    let at_goal = goal.position();
+    covered && within_limits(parameters, at_goal, Vector3::zeros(), parameters.min_tension).contains(&at_goal)
+}
+
+/// The exact domain under the tensions that the drives allow.
+fn within_limits(
+    parameters: &ControllerParameters,
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    min: f64,
+) -> ExactDomain {
+    let limits = TensionLimits { min, max: parameters.max_tension };
+    ExactDomain::new(&parameters.robot, &parameters.gains(), limits, position, velocity)
 }
 
 /// The set point to give now; `None` if there is none nearer to the goal, or, for (15), not before the robot rests.
@@ -60,18 +77,43 @@ pub fn next_set_point(parameters: &ControllerParameters, now: &Situation, goal: 
     }
 }
 
-/// (17) with the domain (15), which assumes x'₀ = 0 at the last set point.
+/// (17) with the domain (15), which assumes x'₀ = 0 at the last set point. What "at rest" leaves of a motion must not slacken a
+/// cable either, so a set point keeps that much from the border of the workspace; and the drives' limits hold, which (15) does not know.
 fn bounded(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
     if from == goal || !is_horizontal(from, goal) {
         return None;
     }
-    let (x_prev, x_f) = (horizontal(from), horizontal(goal));
+    let (x_prev, x_f, z_c) = (horizontal(from), horizontal(goal), goal.0[2]);
     let at = |beta: f64| x_f + (x_prev - x_f) * beta; // (17)
-    let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, goal.0[2]);
-    let beta = smallest_admissible(parameters.bisection_steps, |beta| domain.contains(&at(beta)));
+    let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, z_c);
+    let start = Vector3::new(x_prev.x, x_prev.y, z_c);
+    let limits = within_limits(parameters, start, Vector3::zeros(), parameters.min_tension);
+    let allowance = rest_allowance(parameters, z_c);
+    let facets = static_workspace(&parameters.robot);
+    let beta = smallest_admissible(parameters.bisection_steps, |beta| {
+        let x_d = at(beta);
+        domain.contains(&x_d)
+            && facets.iter().all(|facet| facet.slack(&x_d) > allowance)
+            && limits.contains(&Vector3::new(x_d.x, x_d.y, z_c))
+    });
     let mut set_point = *goal;
     set_point.0.fixed_rows_mut::<2>(0).copy_from(&at(beta));
-    (beta < 1.0).then_some(set_point)
+    let worth_it = beta == 0.0 || (at(beta) - x_prev).norm() > SMALLEST_STEP;
+    (beta < 1.0 && worth_it).then_some(set_point)
+}
+
+/// How far p = x + x'' z/g strays, m, on the way to rest from a state that counts as at rest: the error in position answers with
+/// ψ = f + (z/g) f'', the velocity with χ = φ + (z/g) φ''.
+fn rest_allowance(parameters: &ControllerParameters, z: f64) -> f64 {
+    let gains = parameters.gains();
+    let (c, sum, omega2) = (z / parameters.robot.g, gains.lambda + gains.eta, gains.omega_n_squared());
+    let largest = |b: f64, c: f64| {
+        let extremes = Curve { a: 0.0, b, c, d: 0.0 }.extremes(&gains);
+        extremes.max.max(-extremes.min)
+    };
+    let psi = largest(1.0 - c * omega2, c * omega2 * sum);
+    let chi = largest(-c * sum, 1.0 + c * (sum * sum - omega2));
+    NEAR_POSITION * psi + REST_SPEED * chi
 }
 
 /// The farthest set point towards the goal that is admissible from the state the robot is in, moving or not. The active set point is
@@ -81,11 +123,9 @@ fn exact(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Opt
     if now.set_point == goal || !is_translation(now.pose, goal) || turning >= REST_ANGULAR_RATE {
         return None;
     }
-    let limits =
-        TensionLimits { min: parameters.min_tension.max(SAMPLING_MARGIN), max: parameters.max_tension };
     let velocity = now.rates.fixed_rows::<3>(0).into_owned();
-    let domain =
-        ExactDomain::new(&parameters.robot, &parameters.gains(), limits, now.pose.position(), velocity);
+    let least = parameters.min_tension.max(SAMPLING_MARGIN);
+    let domain = within_limits(parameters, now.pose.position(), velocity, least);
     let (from, to) = (now.set_point.position(), goal.position());
     if domain.contains(&to) {
         return Some(*goal);
@@ -152,7 +192,10 @@ mod tests {
         while let Some(next) = bounded(&parameters, &from, &goal) {
             from = next;
         }
-        assert!(from.0[1] > 0.2 && in_static_workspace(&parameters.robot, &horizontal(&from)), "{from:?}");
+        assert!(
+            from.0[1] > 0.2 && crate::reach::in_static_workspace(&parameters.robot, &horizontal(&from)),
+            "{from:?}"
+        );
         assert!(!is_reachable(&parameters, &from, &goal));
     }
 
