@@ -10,11 +10,12 @@ use cable_robot::cosim::{Fmu, Instance};
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
-use cable_robot::reach::BoundedDomain;
+use cable_robot::reach::exact::NEVER_SLACK;
+use cable_robot::reach::{BoundedDomain, ExactDomain};
 use cable_robot::robot::{Geometry, Pose, RobotParameters, forward_kinematics};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 const STEP: f64 = 1e-3;
 
@@ -95,6 +96,21 @@ fn decisions(c: &mut Criterion) {
     c.bench_function("planner decision, linear programme", |b| {
         b.iter(|| smallest_beta(black_box(&domain), &x_prev, &x_f).unwrap())
     });
+    c.bench_function("bounded test", |b| b.iter(|| domain.contains(black_box(&x_f))));
+}
+
+fn exact(c: &mut Criterion) {
+    let gains = Gains { lambda: 5.0, eta: 5.0 };
+    let (from, goal) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.15, 0.15, 0.9));
+    let domain =
+        |velocity| ExactDomain::new(&RobotParameters::default(), &gains, NEVER_SLACK, from, velocity);
+    let (at_rest, moving) = (domain(Vector3::zeros()), domain(Vector3::new(0.1, -0.05, 0.02)));
+    c.bench_function("exact test from rest", |b| b.iter(|| at_rest.contains(black_box(&goal))));
+    c.bench_function("exact test from a velocity", |b| b.iter(|| moving.contains(black_box(&goal))));
+    c.bench_function("exact ray from rest", |b| b.iter(|| at_rest.ray(black_box(&(goal - from)))));
+    c.bench_function("exact farthest from a velocity", |b| {
+        b.iter(|| moving.farthest(&from, black_box(&goal)))
+    });
 }
 
 /// Throughput in elements a second is simulated milliseconds a second.
@@ -115,5 +131,5 @@ fn closed_loop(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, closed_loop);
+criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, exact, closed_loop);
 criterion_main!(benches);

@@ -107,3 +107,20 @@ def test_other_communication_steps_arrive_too(version, h):
             loop.step()
             assert loop.slack() == []
         assert loop.controller["atGoal"]
+
+
+def test_the_exact_planner_takes_the_papers_move_in_one_set_point(version):
+    with ClosedLoop(version, controller={"planner": 2}) as loop:
+        while not loop.controller["atGoal"]:
+            loop.step()
+            assert loop.slack() == [] and loop.count < 3000
+        assert loop.controller["setPointIndex"] == 1
+
+
+def test_the_exact_planner_rises_and_moves_aside_at_once(version):
+    with ClosedLoop(version, goal=(-0.1, 0.05, 0.8, 0, 0, 0), controller={"planner": 2, "lambda": 5.0}) as loop:
+        for _ in range(5000):
+            loop.step()
+            assert loop.slack() == []
+        assert loop.controller["atGoal"]
+        assert np.allclose(loop.plant.get(pose_names("encoderPose"))[:3], [-0.1, 0.05, 0.8], atol=1e-3)

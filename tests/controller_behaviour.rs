@@ -2,8 +2,8 @@
 
 mod common;
 
-use cable_robot::plan::{ControllerParameters, Status};
-use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
+use cable_robot::robot::{Coordinates, Pose, RobotParameters};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
 
@@ -138,4 +138,79 @@ fn load_cells_make_up_for_friction() {
     let (open, closed) = (offset(ControllerParameters::default()), offset(parameters));
     println!("offset {open:.1e} m without, {closed:.1e} m with the force loop");
     assert!(closed < 0.1 * open, "{closed} m with the force loop, {open} m without");
+}
+
+/// Goals outside the workspace, one after the other, with a bisection fine enough to creep up to the very edge: what counted as rest was
+/// motion enough to slacken a cable there.
+#[test]
+fn no_slack_at_the_edge_with_a_fine_bisection() {
+    for (lambda, eta, z, steps) in [(6.9, 7.29, 1.767, 20), (3.0, 3.0, 1.0, 52), (7.8, 7.8, 1.9, 16)] {
+        let parameters = ControllerParameters { lambda, eta, bisection_steps: steps, ..Default::default() };
+        let rig = PlantParameters { initial_pose: Pose::at(0.0, 0.0, z), ..Default::default() };
+        let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(-0.997, -0.071, z), 1e-3);
+        for goal in [(-0.997, -0.071), (-0.827, 0.562), (0.211, -0.978), (0.5, 0.5)] {
+            closed_loop.goal = Pose::at(goal.0, goal.1, z);
+            assert!(run(&mut closed_loop, 20.0) > 0.0);
+            assert_eq!(closed_loop.controller.outputs().status, Status::GoalUnreachable);
+        }
+    }
+}
+
+#[test]
+fn a_platform_too_heavy_for_max_tension_is_not_reported_at_its_goal() {
+    let robot = RobotParameters { m: 70.0, ..Default::default() };
+    let parameters = ControllerParameters { robot, ..Default::default() };
+    let rig = PlantParameters { robot, ..Default::default() };
+    let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::default(), 1e-3);
+    closed_loop.advance();
+    let output = closed_loop.controller.outputs();
+    assert_eq!((output.status, output.at_goal), (Status::GoalUnreachable, false));
+}
+
+#[test]
+fn set_points_keep_the_tensions_that_the_drives_allow() {
+    for planner in [PlannerKind::Bounded, PlannerKind::Exact] {
+        for (min_tension, max_tension) in [(4.0, 100.0), (0.0, 18.0)] {
+            let parameters = ControllerParameters { planner, min_tension, max_tension, ..Default::default() };
+            let rig = PlantParameters::default();
+            let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
+            let mut tensions = vec![];
+            for _ in 0..12_000 {
+                tensions.extend(closed_loop.advance().0.motor_tension);
+            }
+            // Nothing is clipped: the limits are never met, only neared.
+            assert!(tensions.iter().all(|u| *u > min_tension && *u < max_tension), "{planner:?}");
+            let output = closed_loop.controller.outputs();
+            assert_eq!(output.status, Status::GoalUnreachable);
+            assert!(output.set_point.0[0] > 0.03, "{:?}", output.set_point);
+        }
+    }
+}
+
+/// Many scripts end the initialisation first and hand over the measured pose with the first step only.
+#[test]
+fn the_pose_of_the_first_step_is_where_the_robot_starts() {
+    let rig = PlantParameters { initial_pose: Pose::at(0.1, 0.0, 1.5), ..Default::default() };
+    let mut closed_loop =
+        ClosedLoop::new(ControllerParameters::default(), rig, Pose::at(0.1, 0.0, 1.5), 1e-3);
+    let unknown = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    let start = ControllerInputs { encoder_pose: Pose::default(), ..unknown };
+    closed_loop.controller = Controller::new(ControllerParameters::default(), 0.0, &start).unwrap();
+    let (output, _) = closed_loop.advance();
+    assert_eq!(output.status, Status::AtGoal);
+    assert_eq!(output.set_point, closed_loop.goal);
+}
+
+#[test]
+fn at_goal_does_not_flicker_with_coarse_encoders() {
+    let rig = PlantParameters { encoder_resolution: 1e-4, ..Default::default() };
+    let mut closed_loop =
+        ClosedLoop::new(ControllerParameters::default(), rig, Pose::at(0.1, 0.0, 1.0), 1e-3);
+    while !closed_loop.controller.outputs().at_goal {
+        assert!(closed_loop.time() < 20.0);
+        closed_loop.advance();
+    }
+    for _ in 0..5000 {
+        assert!(closed_loop.advance().0.at_goal, "at {}", closed_loop.time());
+    }
 }

@@ -17,11 +17,12 @@ impl Response {
     /// The response `t` seconds (t ≥ 0) after the start.
     pub fn at(gains: &Gains, t: f64) -> Self {
         let Gains { lambda, eta } = *gains;
-        let decay = (-lambda * t).exp();
-        let x = (eta - lambda) * t;
+        // φ is the same with the gains exchanged; with the slower one in front no exponential can overflow.
+        let x = (eta - lambda).abs() * t;
         // (1 - exp(-x))/x without loss of digits near x = 0.
         let quotient = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
-        let phi = t * decay * quotient;
+        let decay = (-lambda * t).exp();
+        let phi = t * (-lambda.min(eta) * t).exp() * quotient;
         let d_phi = decay - eta * phi;
         let dd_phi = -(lambda + eta) * d_phi - lambda * eta * phi;
         let f = decay + lambda * phi;
@@ -34,6 +35,11 @@ impl Response {
         let e0 = x0 - xd;
         let [e, de, dde] = std::array::from_fn(|k| e0 * self.f[k] + v0 * self.phi[k]);
         [xd + e, de, dde]
+    }
+
+    /// f and φ.
+    pub fn unit(&self) -> [f64; 2] {
+        [self.f[0], self.phi[0]]
     }
 
     /// f, f', f'': the normalised step error (x - x_d)/(x₀ - x_d) from rest and its derivatives (1/s, 1/s²).
@@ -87,6 +93,12 @@ mod tests {
         for k in 0..3 {
             assert!((equal.f[k] - near.f[k]).abs() < 1e-10 && (equal.phi[k] - near.phi[k]).abs() < 1e-10);
         }
+    }
+
+    #[test]
+    fn a_lambda_far_above_eta_does_not_overflow() {
+        let response = Response::at(&Gains { lambda: 100.0, eta: 1.0 }, 20.0);
+        assert!(response.f.iter().chain(&response.phi).all(|value| value.is_finite() && value.abs() < 1e-6));
     }
 
     #[test]

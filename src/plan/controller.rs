@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
-use super::planner;
+use super::planner::{self, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
 use crate::robot::dynamics::static_tensions;
@@ -18,12 +18,17 @@ const TOP_ANGULAR_RATE: f64 = 4.0;
 /// Beyond this pitch the angles no longer tell the orientation, rad.
 const LARGEST_PITCH: f64 = 1.4;
 
+/// `steady` ends when the tolerances of rest are exceeded this many times over.
+const STILL_AT_REST: f64 = 5.0;
+
 /// Controller and planner with all their memory: plain data, no heap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
     parameters: ControllerParameters,
     geometry: Geometry,
     mode: Mode,
+    /// Whether no step was made yet.
+    is_fresh: bool,
     /// Time of the last step, s.
     time: f64,
     /// When the planner was started, s, and how often it was asked since.
@@ -69,6 +74,7 @@ impl Controller {
             parameters,
             geometry,
             mode: Mode::Disabled,
+            is_fresh: true,
             time,
             started: time,
             ticks: 0,
@@ -96,6 +102,10 @@ impl Controller {
 
     /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs to hold until the next step.
     pub fn step(&mut self, time: f64, inputs: &ControllerInputs) {
+        if self.is_fresh && time == self.time {
+            self.restart(inputs);
+        }
+        self.is_fresh = false;
         let dt = time - self.time;
         self.time = time;
         self.sense(inputs, dt);
@@ -103,6 +113,13 @@ impl Controller {
             self.plan(&inputs.goal_pose);
         }
         self.act(inputs, dt);
+    }
+
+    /// The inputs of the first step are those of the start: what was known before may have been a start value only.
+    fn restart(&mut self, inputs: &ControllerInputs) {
+        if let Ok(fresh) = Self::new(self.parameters, self.time, inputs) {
+            *self = fresh;
+        }
     }
 
     /// The outputs of the last step.
@@ -173,7 +190,7 @@ impl Controller {
         self.predict();
     }
 
-    /// Fig. 4: every T_s, at rest, the next set point; a new goal is taken up at the next of these ticks.
+    /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.
     fn plan(&mut self, goal: &Pose) {
         let period = self.parameters.planner_period;
         let elapsed = (self.time - self.started) / period;
@@ -183,22 +200,24 @@ impl Controller {
         }
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
-        let reachable = planner::is_reachable(&self.parameters.robot, &set_point, goal);
-        if self.is_steady() {
-            let next = planner::next_set_point(&self.parameters, &set_point, goal);
-            self.unreachable = !reachable || (next.is_none() && set_point != *goal);
-            if let Some(next) = next {
-                self.outputs.set_point = next;
-                self.outputs.set_point_index += 1;
-            }
-        } else {
-            self.unreachable = !reachable;
+        let next = planner::next_set_point(&self.parameters, &self.situation(), goal);
+        let stuck = self.is_steady() && next.is_none() && set_point != *goal;
+        self.unreachable = stuck || !planner::is_reachable(&self.parameters, &set_point, goal);
+        if let Some(next) = next {
+            self.outputs.set_point = next;
+            self.outputs.set_point_index += 1;
+            self.outputs.steady = false;
         }
         self.predict();
     }
 
+    fn situation(&self) -> Situation<'_> {
+        let Estimator { pose, rates } = &self.estimator;
+        Situation { pose, rates, set_point: &self.outputs.set_point }
+    }
+
     fn is_steady(&self) -> bool {
-        planner::is_steady(&self.estimator.pose, &self.estimator.rates, &self.outputs.set_point)
+        self.situation().is_steady()
     }
 
     fn predict(&mut self) {
@@ -255,8 +274,10 @@ impl Controller {
     }
 
     fn report(&mut self, goal: &Pose) {
-        let steady = self.mode == Mode::Active && self.is_steady();
-        let at_goal = steady && self.outputs.set_point == *goal;
+        // Once at rest, noise does not end it at once.
+        let factor = if self.outputs.steady { STILL_AT_REST } else { 1.0 };
+        let steady = self.mode == Mode::Active && self.situation().is_steady_within(factor);
+        let at_goal = steady && !self.unreachable && self.outputs.set_point == *goal;
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
         self.outputs.steady = steady;
@@ -264,8 +285,8 @@ impl Controller {
         self.outputs.status = match self.mode {
             Mode::Disabled => Status::Disabled,
             Mode::Faulted(_) => Status::SensorFault,
-            Mode::Active if at_goal => Status::AtGoal,
             Mode::Active if self.unreachable => Status::GoalUnreachable,
+            Mode::Active if at_goal => Status::AtGoal,
             Mode::Active if steady => Status::Holding,
             Mode::Active => Status::Moving,
         };

@@ -6,11 +6,13 @@ use crate::control::Gains;
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters};
 
-/// How the next set point is found.
+/// How the next set point is found. The numbers are the FMU's enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PlannerKind {
-    /// The paper's reachable domain, Eq. (15).
-    Bounded,
+    /// The paper's reachable domain, Eq. (15): steps in x and y from rest.
+    Bounded = 1,
+    /// Exactly the admissible translations, from any state: a set point at every tick.
+    Exact = 2,
 }
 
 /// Where the measured pose comes from.

@@ -1,11 +1,11 @@
-//! Eq. (17): the next set point on the way to the goal, from rest at the last one.
+//! Eq. (17): the next set point on the way to the goal.
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 use super::bisection::smallest_admissible;
 use super::interface::{ControllerParameters, PlannerKind};
-use crate::reach::{BoundedDomain, in_static_workspace};
-use crate::robot::{Coordinates, Pose, RobotParameters};
+use crate::reach::{BoundedDomain, Curve, ExactDomain, static_workspace};
+use crate::robot::{Coordinates, Pose, TensionLimits};
 
 /// The motion counts as at rest below these rates, m/s and rad/s,
 const REST_SPEED: f64 = 2e-3;
@@ -14,42 +14,135 @@ const REST_ANGULAR_RATE: f64 = 1e-2;
 const NEAR_POSITION: f64 = 2e-3;
 const NEAR_ANGLE: f64 = 1e-2;
 
-/// The steady-state test of Fig. 4: at rest at the set point, so that (15), which assumes x'₀ = 0, may be used again.
-pub fn is_steady(pose: &Pose, rates: &Coordinates, set_point: &Pose) -> bool {
-    let error = pose.minus(set_point);
-    error.fixed_rows::<3>(0).norm() < NEAR_POSITION
-        && error.fixed_rows::<3>(3).amax() < NEAR_ANGLE
-        && rates.fixed_rows::<3>(0).norm() < REST_SPEED
-        && rates.fixed_rows::<3>(3).amax() < REST_ANGULAR_RATE
+/// Tension that the exact domain leaves unused, N: what holding the tensions over a sample may cost.
+const SAMPLING_MARGIN: f64 = 0.1;
+/// A set point nearer than this to the last one is not worth giving, m.
+const SMALLEST_STEP: f64 = 1e-5;
+
+/// What the planner starts from: where the robot is, how it moves, where it was last told to go.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation<'a> {
+    /// Estimated pose.
+    pub pose: &'a Pose,
+    /// Estimated rates, m/s and rad/s.
+    pub rates: &'a Coordinates,
+    /// The active set point.
+    pub set_point: &'a Pose,
 }
 
-/// Whether every cable would be in tension at rest at the goal and (15) speaks of the motion from `from` to it: a move in x and y
-/// at constant height with zero orientation, each to within what counts as being there.
-pub fn is_reachable(robot: &RobotParameters, from: &Pose, goal: &Pose) -> bool {
-    is_horizontal(from, goal) && in_static_workspace(robot, &horizontal(goal))
+impl Situation<'_> {
+    /// The steady-state test of Fig. 4: at rest at the set point, to within what counts as that.
+    pub fn is_steady(&self) -> bool {
+        self.is_steady_within(1.0)
+    }
+
+    /// The same with all tolerances multiplied.
+    pub fn is_steady_within(&self, factor: f64) -> bool {
+        let error = self.pose.minus(self.set_point);
+        error.fixed_rows::<3>(0).norm() < factor * NEAR_POSITION
+            && error.fixed_rows::<3>(3).amax() < factor * NEAR_ANGLE
+            && self.rates.fixed_rows::<3>(0).norm() < factor * REST_SPEED
+            && self.rates.fixed_rows::<3>(3).amax() < factor * REST_ANGULAR_RATE
+    }
 }
 
-/// The set point to give at rest at `from`; `None` if the planner cannot get nearer to the goal.
-pub fn next_set_point(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
+/// Whether the robot can rest at the goal with every tension within its limits, and the planner's domain speaks of the motion to it: for
+/// (15) a move in x and y at constant height, for the exact domain any translation; both with zero orientation.
+pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> bool {
+    let covered = match parameters.planner {
+        PlannerKind::Bounded => is_horizontal(from, goal),
+        PlannerKind::Exact => is_translation(from, goal),
+    };
+    let at_goal = goal.position();
+    covered && within_limits(parameters, at_goal, Vector3::zeros(), parameters.min_tension).contains(&at_goal)
+}
+
+/// The exact domain under the tensions that the drives allow.
+fn within_limits(
+    parameters: &ControllerParameters,
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    min: f64,
+) -> ExactDomain {
+    let limits = TensionLimits { min, max: parameters.max_tension };
+    ExactDomain::new(&parameters.robot, &parameters.gains(), limits, position, velocity)
+}
+
+/// The set point to give now; `None` if there is none nearer to the goal, or, for (15), not before the robot rests.
+pub fn next_set_point(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
+    match parameters.planner {
+        PlannerKind::Bounded if now.is_steady() => bounded(parameters, now.set_point, goal),
+        PlannerKind::Bounded => None,
+        PlannerKind::Exact => exact(parameters, now, goal),
+    }
+}
+
+/// (17) with the domain (15), which assumes x'₀ = 0 at the last set point. What "at rest" leaves of a motion must not slacken a
+/// cable either, so a set point keeps that much from the border of the workspace; and the drives' limits hold, which (15) does not know.
+fn bounded(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
     if from == goal || !is_horizontal(from, goal) {
         return None;
     }
-    let (x_prev, x_f) = (horizontal(from), horizontal(goal));
+    let (x_prev, x_f, z_c) = (horizontal(from), horizontal(goal), goal.0[2]);
     let at = |beta: f64| x_f + (x_prev - x_f) * beta; // (17)
-    let beta = match parameters.planner {
-        PlannerKind::Bounded => {
-            let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, goal.0[2]);
-            smallest_admissible(parameters.bisection_steps, |beta| domain.contains(&at(beta)))
-        }
-    };
+    let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, z_c);
+    let start = Vector3::new(x_prev.x, x_prev.y, z_c);
+    let limits = within_limits(parameters, start, Vector3::zeros(), parameters.min_tension);
+    let allowance = rest_allowance(parameters, z_c);
+    let facets = static_workspace(&parameters.robot);
+    let beta = smallest_admissible(parameters.bisection_steps, |beta| {
+        let x_d = at(beta);
+        domain.contains(&x_d)
+            && facets.iter().all(|facet| facet.slack(&x_d) > allowance)
+            && limits.contains(&Vector3::new(x_d.x, x_d.y, z_c))
+    });
     let mut set_point = *goal;
     set_point.0.fixed_rows_mut::<2>(0).copy_from(&at(beta));
-    (beta < 1.0).then_some(set_point)
+    let worth_it = beta == 0.0 || (at(beta) - x_prev).norm() > SMALLEST_STEP;
+    (beta < 1.0 && worth_it).then_some(set_point)
+}
+
+/// How far p = x + x'' z/g strays, m, on the way to rest from a state that counts as at rest: the error in position answers with
+/// ψ = f + (z/g) f'', the velocity with χ = φ + (z/g) φ''.
+fn rest_allowance(parameters: &ControllerParameters, z: f64) -> f64 {
+    let gains = parameters.gains();
+    let (c, sum, omega2) = (z / parameters.robot.g, gains.lambda + gains.eta, gains.omega_n_squared());
+    let largest = |b: f64, c: f64| {
+        let extremes = Curve { a: 0.0, b, c, d: 0.0 }.extremes(&gains);
+        extremes.max.max(-extremes.min)
+    };
+    let psi = largest(1.0 - c * omega2, c * omega2 * sum);
+    let chi = largest(-c * sum, 1.0 + c * (sum * sum - omega2));
+    NEAR_POSITION * psi + REST_SPEED * chi
+}
+
+/// The farthest set point towards the goal that is admissible from the state the robot is in, moving or not. The active set point is
+/// admissible from every state on the way to it, so there is always one (docs/exact.md).
+fn exact(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
+    let turning = now.rates.fixed_rows::<3>(3).amax();
+    if now.set_point == goal || !is_translation(now.pose, goal) || turning >= REST_ANGULAR_RATE {
+        return None;
+    }
+    let velocity = now.rates.fixed_rows::<3>(0).into_owned();
+    let least = parameters.min_tension.max(SAMPLING_MARGIN);
+    let domain = within_limits(parameters, now.pose.position(), velocity, least);
+    let (from, to) = (now.set_point.position(), goal.position());
+    if domain.contains(&to) {
+        return Some(*goal);
+    }
+    let way = (to - from) * domain.farthest(&from, &to)?;
+    let mut set_point = *goal;
+    set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + way));
+    (way.norm() > SMALLEST_STEP).then_some(set_point)
 }
 
 fn is_horizontal(from: &Pose, goal: &Pose) -> bool {
+    is_translation(from, goal) && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION
+}
+
+fn is_translation(from: &Pose, goal: &Pose) -> bool {
     let level = |pose: &Pose| pose.0.fixed_rows::<3>(3).amax() < NEAR_ANGLE;
-    goal.0[2] > 0.0 && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION && level(from) && level(goal)
+    goal.0[2] > 0.0 && level(from) && level(goal)
 }
 
 fn horizontal(pose: &Pose) -> Vector2<f64> {
@@ -66,7 +159,7 @@ mod tests {
         let goal = Pose::at(0.15, 0.15, 1.0);
         let mut sequence = vec![];
         let mut from = Pose::default();
-        while let Some(next) = next_set_point(&parameters, &from, &goal) {
+        while let Some(next) = bounded(&parameters, &from, &goal) {
             sequence.push(next.0[0]);
             assert_eq!(next.0[0], next.0[1]);
             from = next;
@@ -86,8 +179,8 @@ mod tests {
             Pose::at(0.0, 0.0, -1.0),
             Pose(Coordinates::new(0.1, 0.0, 1.0, 0.0, 0.0, 0.2)),
         ] {
-            assert_eq!(next_set_point(&parameters, &Pose::default(), &goal), None);
-            assert!(!is_reachable(&parameters.robot, &Pose::default(), &goal));
+            assert_eq!(bounded(&parameters, &Pose::default(), &goal), None);
+            assert!(!is_reachable(&parameters, &Pose::default(), &goal));
         }
     }
 
@@ -96,10 +189,23 @@ mod tests {
         let parameters = ControllerParameters::default();
         let goal = Pose::at(0.0, 0.4, 1.0);
         let mut from = Pose::default();
-        while let Some(next) = next_set_point(&parameters, &from, &goal) {
+        while let Some(next) = bounded(&parameters, &from, &goal) {
             from = next;
         }
-        assert!(from.0[1] > 0.2 && in_static_workspace(&parameters.robot, &horizontal(&from)), "{from:?}");
-        assert!(!is_reachable(&parameters.robot, &from, &goal));
+        assert!(
+            from.0[1] > 0.2 && crate::reach::in_static_workspace(&parameters.robot, &horizontal(&from)),
+            "{from:?}"
+        );
+        assert!(!is_reachable(&parameters, &from, &goal));
+    }
+
+    #[test]
+    fn exact_takes_the_papers_move_in_one_step_and_a_rise_as_well() {
+        let parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
+        let start = Pose::default();
+        let now = Situation { pose: &start, rates: &Coordinates::zeros(), set_point: &start };
+        for goal in [Pose::at(0.15, 0.15, 1.0), Pose::at(-0.1, 0.05, 0.8)] {
+            assert_eq!(next_set_point(&parameters, &now, &goal), Some(goal));
+        }
     }
 }

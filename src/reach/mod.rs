@@ -1,15 +1,19 @@
-//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15);
-//! for rigs with any cables, tension distributions and the static workspace that they leave.
+//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15), exact
+//! domain; for rigs with any cables, tension distributions and the static workspace that they leave.
 
 pub mod bounded;
+pub mod curve;
 pub mod distribution;
+pub mod exact;
 pub mod half_plane;
 pub mod quadratic_program;
 pub mod static_region;
 pub mod workspace;
 
 pub use bounded::BoundedDomain;
+pub use curve::Curve;
 pub use distribution::{Distribution, nearest_mid_range, widest_margin};
+pub use exact::ExactDomain;
 pub use half_plane::{HalfPlane, polygon};
 pub use quadratic_program::SolverError;
 pub use static_region::Slice;

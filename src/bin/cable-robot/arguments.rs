@@ -51,6 +51,8 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 pub enum Planner {
     /// The paper's reachable domain, Eq. (15)
     Bounded,
+    /// Exactly the admissible translations
+    Exact,
 }
 
 impl Planner {
@@ -58,6 +60,7 @@ impl Planner {
     pub fn kind(self) -> PlannerKind {
         match self {
             Self::Bounded => PlannerKind::Bounded,
+            Self::Exact => PlannerKind::Exact,
         }
     }
 }

@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::extremes::{Extremes, TensionAt, extremes};
 use cable_robot::plan::nearest::{Nearest, nearest_admissible, workspace_facets};
-use cable_robot::plan::planner::next_set_point;
-use cable_robot::robot::{Pose, TensionLimits};
+use cable_robot::plan::planner::{Situation, next_set_point};
+use cable_robot::robot::{Coordinates, Pose, TensionLimits};
 use clap::Args;
 use serde_json::json;
 
@@ -19,8 +19,10 @@ pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
          cable-robot plan --from 0,0,1 --to 0,0.4,1     (exit code 3: it says which cable forbids it, when, and how near one gets)";
 
-/// The nearest point is this far inside the static workspace, m.
-const NEAREST_MARGIN: f64 = 1e-3;
+/// A plan that has so many set points and is not there yet does not get there.
+const MOST_SET_POINTS: usize = 1000;
+/// Halvings of the distance to the border that the nearest point keeps.
+const HALVINGS: usize = 20;
 
 #[derive(Args)]
 pub struct Plan {
@@ -53,9 +55,8 @@ struct Obstacle {
     /// The cable and the moment at which the step from the last set point straight to the goal breaks a limit; `None` if it
     /// breaks none or meets a singular pose.
     broken: Option<Extremes>,
+    /// The nearest point that can be had.
     nearest: Option<Nearest>,
-    /// Distance from the goal to the nearest admissible pose's position, m.
-    distance: Option<f64>,
 }
 
 impl Plan {
@@ -63,14 +64,6 @@ impl Plan {
         let parameters = self.rig.controller(self.planner.kind())?;
         require_rest(&parameters, &self.from)?;
         let planned = self.plan(&parameters)?;
-        if let Some((step, smallest)) = planned.smallest.filter(|(_, u)| u.tension <= parameters.min_tension)
-        {
-            eprintln!(
-                "cable-robot: cable {} falls to {:.3} N in step {step}, below the rig's least tension of {} N, which planner {:?} \
-                 does not look at",
-                smallest.cable, smallest.tension, parameters.min_tension, self.planner
-            );
-        }
         if self.json {
             print_json(&self.as_json(&planned))?;
         } else {
@@ -83,27 +76,58 @@ impl Plan {
         let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
         let look =
             |from: &Pose, to: &Pose| extremes(&parameters.robot, &parameters.gains(), &limits, from, to);
-        let (mut at, mut set_points, mut smallest) = (self.from, vec![], None::<(usize, TensionAt)>);
-        while let Some(next) = next_set_point(parameters, &at, &self.to) {
+        let set_points = sequence(parameters, &self.from, &self.to);
+        let (mut at, mut smallest) = (self.from, None::<(usize, TensionAt)>);
+        for (i, next) in set_points.iter().enumerate() {
             let step =
-                look(&at, &next).context("the way to a set point leads through a singular pose")?.smallest;
-            set_points.push(next);
-            at = next;
+                look(&at, next).context("the way to a set point leads through a singular pose")?.smallest;
+            at = *next;
             if smallest.is_none_or(|(_, so_far)| step.tension < so_far.tension) {
-                smallest = Some((set_points.len(), step));
+                smallest = Some((i + 1, step));
             }
         }
-        let obstacle =
-            if at == self.to { None } else { Some(self.obstacle(parameters, look(&at, &self.to))?) };
+        let obstacle = if at == self.to {
+            None
+        } else {
+            let broken = look(&at, &self.to).filter(|direct| direct.first_outside.is_some());
+            Some(Obstacle { broken, nearest: self.nearest(parameters)? })
+        };
         Ok(Planned { set_points, smallest, obstacle })
     }
 
-    fn obstacle(&self, parameters: &ControllerParameters, direct: Option<Extremes>) -> Result<Obstacle> {
-        let goal = self.to.position();
-        let nearest = nearest_admissible(&goal.xy(), &workspace_facets(&parameters.robot), NEAREST_MARGIN)?;
-        // (15) keeps the height.
-        let distance = nearest.map(|nearest| nearest.distance.hypot(goal.z - self.from.0[2]));
-        Ok(Obstacle { broken: direct.filter(|direct| direct.first_outside.is_some()), nearest, distance })
+    /// The point nearest to the goal, at a height that the planner can give, to which there is a plan: as little inside the facets of
+    /// the static workspace as limits of tension and the planner's own allowances need.
+    fn nearest(&self, parameters: &ControllerParameters) -> Result<Option<Nearest>> {
+        let (goal, facets) = (self.to.position(), workspace_facets(&parameters.robot));
+        let z = self.nearest_height();
+        let arrives = |nearest: &Nearest| {
+            let place = Pose::at(nearest.point.x, nearest.point.y, z);
+            place == self.from || sequence(parameters, &self.from, &place).last() == Some(&place)
+        };
+        let (mut short, mut enough, mut found) = (0.0, 0.5 * parameters.robot.a, None);
+        for _ in 0..HALVINGS {
+            let margin = 0.5 * (short + enough);
+            let nearest = nearest_admissible(&goal.xy(), &facets, margin)?;
+            if nearest.as_ref().is_some_and(arrives) {
+                (enough, found) = (margin, nearest);
+            } else {
+                short = margin;
+            }
+        }
+        Ok(found)
+    }
+
+    /// (15) keeps the height.
+    fn nearest_height(&self) -> f64 {
+        match self.planner {
+            Planner::Bounded => self.from.0[2],
+            Planner::Exact => self.to.0[2],
+        }
+    }
+
+    /// From the goal to the nearest point, m.
+    fn distance(&self, nearest: &Nearest) -> f64 {
+        nearest.distance.hypot(self.to.0[2] - self.nearest_height())
     }
 
     fn as_text(&self, planned: &Planned, parameters: &ControllerParameters) -> String {
@@ -140,18 +164,28 @@ impl Plan {
             _ => {
                 let _ = writeln!(
                     text,
-                    "  planner {:?} has no step to it; it plans at one height and with zero orientation",
-                    self.planner
+                    "  planner {:?} has no step to it: {}",
+                    self.planner,
+                    match self.planner {
+                        Planner::Bounded => "it plans at one height and with zero orientation",
+                        Planner::Exact => "it plans with zero orientation and keeps 0.1 N of every tension",
+                    }
                 );
             }
         }
-        if let Some(Nearest { point, cable, .. }) = obstacle.nearest {
-            let place = place(point.x, point.y, self.from.0[2]);
-            let distance = obstacle.distance.unwrap_or_default();
-            let _ = writeln!(text, "  nearest: {place}, {distance:.4} m from the goal");
-            if let Some(cable) = cable {
-                let _ = writeln!(text, "  beyond it cable {cable} is slack at rest");
+        match &obstacle.nearest {
+            Some(nearest) => {
+                let place = place(nearest.point.x, nearest.point.y, self.nearest_height());
+                let distance = self.distance(nearest);
+                let _ = writeln!(text, "  nearest: {place}, {distance:.4} m from the goal");
+                if let Some(cable) = nearest.cable {
+                    let _ = writeln!(
+                        text,
+                        "  held back by cable {cable}, which is slack at rest beyond its facet"
+                    );
+                }
             }
+            None => text += "  no other point can be had from there\n",
         }
         text
     }
@@ -166,8 +200,8 @@ impl Plan {
                 "smallest": obstacle.broken.map(|broken| tension(&broken.smallest)),
                 "greatest": obstacle.broken.map(|broken| tension(&broken.greatest)),
                 "nearest": obstacle.nearest.map(|nearest| json!({
-                    "point": [nearest.point.x, nearest.point.y, self.from.0[2]],
-                    "distance": obstacle.distance,
+                    "point": [nearest.point.x, nearest.point.y, self.nearest_height()],
+                    "distance": self.distance(&nearest),
                     "forbiddenBy": nearest.cable,
                 })),
             })
@@ -181,6 +215,15 @@ impl Plan {
             "obstacle": obstacle,
         })
     }
+}
+
+/// The set points from rest to rest, as far as there are any.
+fn sequence(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> Vec<Pose> {
+    let next = |at: &Pose| {
+        let now = Situation { pose: at, rates: &Coordinates::zeros(), set_point: at };
+        next_set_point(parameters, &now, to)
+    };
+    std::iter::successors(next(from), next).take(MOST_SET_POINTS).collect()
 }
 
 fn described(u: &TensionAt) -> String {

@@ -7,7 +7,7 @@ use super::xml::{
     kind_of, leaf, node, scalars, units,
 };
 use crate::fmi::models::Model;
-use crate::fmi::variables::{Causality, Kind};
+use crate::fmi::variables::{Causality, Kind, Row};
 
 /// The XML of a model.
 pub fn model_description(model: Model) -> String {
@@ -56,9 +56,14 @@ fn types(xml: &mut Xml, model: Model) -> io::Result<()> {
     })
 }
 
+/// FMI 2 leaves the independent variable out: it is optional there, and the FMI Library misses a start value on it.
+fn listed(model: Model) -> impl Iterator<Item = (&'static Row, u32)> {
+    scalars(model).filter(|(row, _)| row.causality != Causality::Independent)
+}
+
 fn variables(xml: &mut Xml, model: Model) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
-        scalars(model).try_for_each(|(row, reference)| {
+        listed(model).try_for_each(|(row, reference)| {
             let element = match row.kind {
                 Kind::Float64 => "Real",
                 Kind::Int32 => "Integer",
@@ -75,8 +80,8 @@ fn variables(xml: &mut Xml, model: Model) -> io::Result<()> {
 /// FMI 2 counts variables from 1 in the order of the XML. Outputs change in a step only, so at a communication point
 /// they depend on nothing; at the start they depend on what the table says.
 fn structure(xml: &mut Xml, model: Model) -> io::Result<()> {
-    let index_of = |wanted| 1 + scalars(model).take_while(|&(_, reference)| reference != wanted).count();
-    let outputs = || scalars(model).filter(|(row, _)| row.causality == Causality::Output);
+    let index_of = |wanted| 1 + listed(model).take_while(|&(_, reference)| reference != wanted).count();
+    let outputs = || listed(model).filter(|(row, _)| row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
         node(xml, "Outputs", &[], |xml| {
             outputs().try_for_each(|(_, reference)| {

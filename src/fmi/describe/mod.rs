@@ -87,6 +87,7 @@ pub fn checked_in() -> Vec<(String, Vec<u8>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fmi::variables::Causality;
 
     #[test]
     fn what_is_checked_in_is_what_the_tables_say() {
@@ -106,7 +107,8 @@ mod tests {
                 for (row, reference) in xml::scalars(model) {
                     let wanted =
                         format!("name=\"{}\" valueReference=\"{reference}\"", row.scalar_name(reference));
-                    assert_eq!(text.matches(&wanted).count(), 1, "{wanted}");
+                    let left_out = version == Version::Fmi2 && row.causality == Causality::Independent;
+                    assert_eq!(text.matches(&wanted).count(), usize::from(!left_out), "{wanted}");
                 }
             }
         }

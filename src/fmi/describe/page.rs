@@ -153,7 +153,7 @@ fn logging() -> String {
 }
 
 fn limits() -> String {
-    "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy and other open tools on Linux. They were <strong>not</strong> tried \
+    "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy on Linux. They were <strong>not</strong> tried \
      with Dymola, Simulink or OpenModelica. Model Exchange, Event Mode, directional derivatives and derivatives of inputs and \
      outputs are not supported, as modelDescription.xml says.</p>"
         .to_owned()

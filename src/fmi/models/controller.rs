@@ -12,7 +12,10 @@ use crate::robot::ParameterError;
 const PLANNER_TYPE: Enumeration = Enumeration {
     name: "Planner",
     description: "The reachable domain that the planner uses",
-    items: &[("Bounded", "The paper's domain, Eq. (15)")],
+    items: &[
+        ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest"),
+        ("Exact", "Exactly the admissible translations, from any state: a set point at every tick"),
+    ],
 };
 const POSE_SOURCE_TYPE: Enumeration = Enumeration {
     name: "PoseSource",
@@ -256,7 +259,7 @@ fn controller_parameters(values: &Values) -> ControllerParameters {
         bisection_steps: values.integer(&BISECTION_STEPS),
         min_tension: values.scalar(&MIN_TENSION),
         max_tension: values.scalar(&MAX_TENSION),
-        planner: PlannerKind::Bounded,
+        planner: if values.integer(&PLANNER) == 2 { PlannerKind::Exact } else { PlannerKind::Bounded },
         pose_source: if values.integer(&POSE_SOURCE) == 2 {
             PoseSource::CableLengths
         } else {

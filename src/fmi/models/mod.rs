@@ -50,7 +50,7 @@ impl Model {
     pub fn description(self) -> &'static str {
         match self {
             Model::Controller => {
-                "Controller and planner of a six-cable suspended robot: no cable ever goes slack on the way to the goal"
+                "Controller and planner of a six-cable suspended robot: set points from which no cable goes slack"
             }
             Model::Plant => {
                 "A rigid platform on six cables that pull and never push, with a rig's imperfections"
