@@ -10,7 +10,7 @@
 //!
 //! | paper | room | |
 //! |---|---|---|
-//! | II | [`robot`] | parameters, geometry, inverse and forward kinematics, dynamics (1) |
+//! | II | [`robot`] | parameters, geometry, inverse and forward kinematics, dynamics (1); rigs with any cables, from files |
 //! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), velocity estimate, force loop |
 //! | IV | [`reach`] | static workspace (16), bounded reachable domain (15) |
 //! | V | [`plan`] | set points (17), the flow of Fig. 4, the controller as one struct |

@@ -264,3 +264,16 @@ fn help_of_every_command_has_an_example_and_the_exit_codes_stand_in_the_first() 
         assert!(matches!(output.status.code(), Some(0 | 3)), "{example}: {output:?}");
     }
 }
+
+#[test]
+fn what_the_page_shows_is_what_the_program_prints() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
+    let shown: Vec<_> =
+        page.split("```").filter_map(|block| block.strip_prefix("\n$ cable-robot ")).collect();
+    assert_eq!(shown.len(), 3);
+    for block in shown {
+        let (command, expected) = block.split_once('\n').unwrap();
+        let output = run(&command.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(String::from_utf8(output.stdout).unwrap(), expected, "{command}");
+    }
+}
