@@ -84,3 +84,32 @@ fn a_goal_outside_is_approached_to_the_margin_and_left_again() {
     }
     assert_eq!(run.controller.outputs().status, Status::AtGoal);
 }
+
+#[test]
+fn a_goal_that_cannot_be_had_is_neared_as_far_as_can_be() {
+    let goal = Pose::at(0.3, 0.1, 0.9);
+    let mut run = ClosedLoop::new(exact(4.0, 4.0), PlantParameters::default(), goal, 1e-3);
+    for _ in 0..8000 {
+        assert_eq!(run.advance().1.slack, [false; 6]);
+    }
+    let output = *run.controller.outputs();
+    assert_eq!(output.status, Status::GoalUnreachable);
+    // Straight across the facet of cable 5, whose normal has azimuth 30 degrees, and not where the line to the goal meets it.
+    let back = output.set_point.position() - goal.position();
+    assert!((back.y / back.x - 30f64.to_radians().tan()).abs() < 1e-4, "{back}");
+    assert!((output.goal_distance - back.norm()).abs() < 1e-4);
+    assert!(output.goal_distance < 0.1);
+}
+
+#[test]
+fn goals_beyond_all_measure_are_a_status() {
+    for goal in [Pose::at(1e300, -1e300, 1e300), Pose::at(1e155, 0.0, 1.0), Pose::at(0.0, 0.0, 1e308)] {
+        let mut run = ClosedLoop::new(exact(5.0, 3.0), PlantParameters::default(), goal, 1e-3);
+        for _ in 0..3000 {
+            let (output, plant) = run.advance();
+            assert_eq!(plant.slack, [false; 6]);
+            assert!(output.set_point.0.norm() < 10.0 && output.goal_distance.is_finite());
+        }
+        assert_eq!(run.controller.outputs().status, Status::GoalUnreachable);
+    }
+}

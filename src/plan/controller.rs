@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
+use super::interface::{
+    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
+};
 use super::planner::{self, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
@@ -40,6 +42,9 @@ pub struct Controller {
     force_loop: ForceLoop,
     prediction: Prediction,
     unreachable: bool,
+    /// Where the planner makes for, and the goal for which that was found.
+    aim: Pose,
+    aimed_for: Option<Pose>,
     outputs: ControllerOutputs,
 }
 
@@ -83,6 +88,8 @@ impl Controller {
             force_loop: ForceLoop::new(),
             prediction,
             unreachable: false,
+            aim: inputs.goal_pose,
+            aimed_for: None,
             outputs: ControllerOutputs {
                 motor_tension: [parameters.min_tension; CABLES],
                 set_point: inputs.encoder_pose,
@@ -91,6 +98,7 @@ impl Controller {
                 estimated_velocity: Coordinates::zeros(),
                 steady: false,
                 at_goal: false,
+                goal_distance: 0.0,
                 tension_margin: prediction.smallest_from(time),
                 status: Status::Disabled,
             },
@@ -185,6 +193,8 @@ impl Controller {
         self.started = self.time;
         self.ticks = 0;
         self.unreachable = false;
+        self.aimed_for = None;
+        self.outputs.goal_distance = 0.0;
         self.force_loop = ForceLoop::new();
         self.acceleration = Coordinates::zeros();
         self.predict();
@@ -200,15 +210,30 @@ impl Controller {
         }
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
-        let next = planner::next_set_point(&self.parameters, &self.situation(), goal);
-        let stuck = self.is_steady() && next.is_none() && set_point != *goal;
+        self.take_aim(goal);
+        let next = planner::next_set_point(&self.parameters, &self.situation(), &self.aim);
+        let stuck = self.is_steady() && next.is_none() && set_point != self.aim;
         self.unreachable = stuck || !planner::is_reachable(&self.parameters, &set_point, goal);
+        let instead = if stuck { set_point } else { self.aim };
+        let short = (goal.position() - instead.position()).norm().min(f64::MAX);
+        self.outputs.goal_distance = if self.unreachable { short } else { 0.0 };
         if let Some(next) = next {
             self.outputs.set_point = next;
             self.outputs.set_point_index += 1;
             self.outputs.steady = false;
         }
         self.predict();
+    }
+
+    /// The goal itself, but for `Exact` and a goal that cannot be had the nearest point that can. Found once a goal: it calls the solver.
+    fn take_aim(&mut self, goal: &Pose) {
+        if self.parameters.planner == PlannerKind::Bounded {
+            self.aim = *goal;
+        } else if self.aimed_for != Some(*goal) {
+            self.aimed_for = Some(*goal);
+            let from = self.outputs.set_point;
+            self.aim = planner::exact_aim(&self.parameters, &from, goal).unwrap_or(*goal);
+        }
     }
 
     fn situation(&self) -> Situation<'_> {

@@ -118,6 +118,8 @@ pub struct ControllerOutputs {
     pub steady: bool,
     /// At rest at the goal.
     pub at_goal: bool,
+    /// From the goal to where the planner makes for instead, m; 0 if the goal can be had.
+    pub goal_distance: f64,
     /// Smallest tension of any cable predicted from now on, N.
     pub tension_margin: f64,
     /// What the controller is doing.

@@ -4,6 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bisection::smallest_admissible;
 use super::interface::{ControllerParameters, PlannerKind};
+use super::nearest::{nearest_admissible, workspace_facets};
 use crate::reach::{BoundedDomain, Curve, ExactDomain, static_workspace};
 use crate::robot::{Coordinates, Pose, TensionLimits};
 
@@ -55,6 +56,24 @@ pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose)
     };
     let at_goal = goal.position();
     covered && within_limits(parameters, at_goal, Vector3::zeros(), parameters.min_tension).contains(&at_goal)
+}
+
+/// Where `Exact` makes for: the goal, or if the robot cannot rest there, the nearest point at the goal's height where it can with
+/// 0.1 N to spare. `None` for a goal that is no translation away, or if the solver gives no answer.
+pub fn exact_aim(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
+    if !is_translation(from, goal) {
+        return None;
+    }
+    let robot = &parameters.robot;
+    // G = g (a/2 - n·p) at rest, and u ≥ u_min where G ≥ 3 a u_min/m.
+    let least = parameters.min_tension.max(SAMPLING_MARGIN);
+    let margin = 3.0 * robot.a * least / (robot.m * robot.g);
+    let nearest = nearest_admissible(&horizontal(goal), &workspace_facets(robot), margin).ok()??;
+    let mut aim = *goal;
+    if nearest.distance > 0.0 {
+        aim.0.fixed_rows_mut::<2>(0).copy_from(&nearest.point);
+    }
+    aim.0.iter().all(|coordinate| coordinate.is_finite()).then_some(aim)
 }
 
 /// The exact domain under the tensions that the drives allow.

@@ -144,7 +144,8 @@ impl ExactDomain {
                 cut = cut.min(0.5 * s);
             }
             if cut == s {
-                return Some(s);
+                // What overflowed was not seen above.
+                return Some(if self.contains(&x_d) { s } else { 0.0 });
             }
             s = cut;
         }

@@ -204,6 +204,14 @@ const TENSION_MARGIN: Row = Row {
         "Smallest tension of any cable predicted from now on",
     )
 };
+const GOAL_DISTANCE: Row = output(
+    229,
+    "goalDistance",
+    Shape::Scalar,
+    Some(&METRE),
+    &[],
+    "From the goal to where the robot goes instead; 0 if the goal can be had",
+);
 const STATUS: Row = Row {
     kind: Kind::Enumeration(&STATUS_TYPE),
     variability: Variability::Discrete,
@@ -243,6 +251,7 @@ pub const ROWS: &[&Row] = &[
     &AT_GOAL,
     &TENSION_MARGIN,
     &STATUS,
+    &GOAL_DISTANCE,
 ];
 
 /// Starts a controller with the parameters and inputs in `values`.
@@ -291,6 +300,7 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&AT_GOAL, [outputs.at_goal.into()]);
     values.write(&TENSION_MARGIN, [outputs.tension_margin]);
     values.write(&STATUS, [f64::from(outputs.status as i32)]);
+    values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
 }
 
 #[cfg(test)]
