@@ -6,6 +6,7 @@ mod plan;
 mod reach;
 mod rig;
 mod simulate;
+mod study;
 mod workspace;
 
 use std::io::{ErrorKind, Write};
@@ -39,6 +40,9 @@ enum Task {
     /// Controller and plant in a closed loop, as CSV
     #[command(after_help = simulate::EXAMPLE)]
     Simulate(simulate::Simulate),
+    /// Studies that back what is claimed about the reachable domains
+    #[command(subcommand)]
+    Study(study::Study),
 }
 
 /// What an exit code tells apart.
@@ -54,6 +58,7 @@ fn main() -> ExitCode {
         Task::Reach(task) => task.run(),
         Task::Plan(task) => task.run(),
         Task::Simulate(task) => task.run(),
+        Task::Study(task) => task.run(),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

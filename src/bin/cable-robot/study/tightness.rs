@@ -1,0 +1,124 @@
+//! How much of what is truly admissible each domain accepts: horizontal steps from rest over the static workspace.
+
+use anyhow::Result;
+use cable_robot::control::{Gains, Response};
+use cable_robot::reach::exact::NEVER_SLACK;
+use cable_robot::reach::{BoundedDomain, ExactDomain, in_static_workspace};
+use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, tensions};
+use clap::Args;
+use nalgebra::{Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::{Outcome, print, print_json};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot study tightness --pairs 10000
+The truth is dense sampling of the 6x6 inverse dynamics. \"refused\" counts truly admissible pairs that the exact domain refuses
+(they fall between two samples), \"wrong\" those accepted by either that are not admissible.";
+
+/// Instants at which the truth is sampled, denser at the start.
+const INSTANTS: u32 = 400;
+
+#[derive(Args)]
+pub struct Tightness {
+    /// Random pairs of points of the static workspace, for each gain and height
+    #[arg(long, default_value_t = 2000)]
+    pairs: u32,
+    /// Seed of the random pairs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Prints numbers for machines
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    gain: f64,
+    z: f64,
+    admissible: u32,
+    bounded: u32,
+    exact: u32,
+    wrong: u32,
+}
+
+impl Tightness {
+    pub fn run(&self) -> Result<Outcome> {
+        let grid: Vec<(f64, f64)> =
+            [1.0, 3.0, 5.0, 8.0].into_iter().flat_map(|gain| [0.5, 1.0, 2.0].map(|z| (gain, z))).collect();
+        let cells: Vec<Cell> = grid.into_par_iter().map(|(gain, z)| self.cell(gain, z)).collect();
+        if self.json {
+            let rows: Vec<_> = cells.iter().map(|c| {
+                json!({"gain": c.gain, "z": c.z, "pairs": self.pairs, "admissible": c.admissible, "bounded": c.bounded, "exact": c.exact, "wrong": c.wrong})
+            }).collect();
+            print_json(&json!({"seed": self.seed, "cells": rows}))?;
+            return Ok(Outcome::Done);
+        }
+        let mut text = format!(
+            "seed {}, {} pairs a row\nλ = η   z (m)   admissible    Bounded      Exact  refused  wrong\n",
+            self.seed, self.pairs
+        );
+        for c in &cells {
+            let share = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
+            text += &format!(
+                "{:5}   {:5}   {:8.1} %   {:6.1} %   {:6.1} %  {:7}  {:5}\n",
+                c.gain,
+                c.z,
+                share(c.admissible, self.pairs),
+                share(c.bounded, c.admissible),
+                share(c.exact, c.admissible),
+                c.admissible - c.exact,
+                c.wrong
+            );
+        }
+        print(&text)?;
+        Ok(Outcome::Done)
+    }
+
+    fn cell(&self, gain: f64, z: f64) -> Cell {
+        let robot = RobotParameters::default();
+        let gains = Gains { lambda: gain, eta: gain };
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        let mut cell = Cell { gain, z, ..Cell::default() };
+        for _ in 0..self.pairs {
+            let (from, to) = (point(&mut rng, &robot), point(&mut rng, &robot));
+            let start = Vector3::new(from.x, from.y, z);
+            let exact = ExactDomain::new(&robot, &gains, NEVER_SLACK, start, Vector3::zeros());
+            let exact = exact.contains(&Vector3::new(to.x, to.y, z));
+            let bounded = BoundedDomain::new(&robot, &gains, from, z).contains(&to);
+            if is_taut(&robot, &gains, &from, &to, z) {
+                cell.admissible += 1;
+                cell.bounded += u32::from(bounded);
+                cell.exact += u32::from(exact);
+            } else {
+                cell.wrong += u32::from(bounded || exact);
+            }
+        }
+        cell
+    }
+}
+
+fn point(rng: &mut Pcg64, robot: &RobotParameters) -> Vector2<f64> {
+    loop {
+        let point = Vector2::new(rng.random_range(-0.26..0.26), rng.random_range(-0.26..0.26));
+        if in_static_workspace(robot, &point) {
+            return point;
+        }
+    }
+}
+
+/// Whether every sampled tension is positive.
+fn is_taut(robot: &RobotParameters, gains: &Gains, from: &Vector2<f64>, to: &Vector2<f64>, z: f64) -> bool {
+    let geometry = Geometry::new(robot);
+    (0..INSTANTS).all(|k| {
+        let response =
+            Response::at(gains, 15.0 / gains.lambda * (f64::from(k) / f64::from(INSTANTS - 1)).powi(2));
+        let [x, y] = [0, 1].map(|i| response.motion(from[i], 0.0, to[i]));
+        let d = |k: usize| Coordinates::new(x[k], y[k], 0.0, 0.0, 0.0, 0.0);
+        let u = tensions(robot, &geometry, &Pose::at(x[0], y[0], z), &d(1), &d(2));
+        u.is_some_and(|u| u.iter().all(|u| *u > 0.0))
+    })
+}

@@ -1,0 +1,157 @@
+//! Time to the goal: the paper's planner, the exact domain used from rest only, and from any state.
+
+use anyhow::Result;
+use cable_robot::control::Response;
+use cable_robot::plan::planner::{Situation, next_set_point};
+use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::reach::static_workspace;
+use cable_robot::robot::{Coordinates, Pose, RobotParameters};
+use clap::Args;
+use nalgebra::Vector2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::{Outcome, print, print_json};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot study time --pairs 1000
+The motion is the closed form (12), (13) from tick to tick of the planner. All planners keep 0.1 N. \"-\": not reached in 60 s.";
+
+/// Tension that every planner keeps, N.
+const LEAST: f64 = 0.1;
+/// Goals and starts keep this from the border of the static workspace, m.
+const INSET: f64 = 0.01;
+/// A run is given up after this time, s.
+const PATIENCE: f64 = 60.0;
+
+#[derive(Args)]
+pub struct Time {
+    /// Random pairs of points of the static workspace at z = 1, for each gain
+    #[arg(long, default_value_t = 1000)]
+    pairs: usize,
+    /// Seed of the random pairs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Prints numbers for machines
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Bounded,
+    ExactFromRest,
+    ExactFromAnyState,
+}
+
+const WAYS: [Way; 3] = [Way::Bounded, Way::ExactFromRest, Way::ExactFromAnyState];
+
+struct Row {
+    gain: f64,
+    way: Way,
+    paper: Option<f64>,
+    reached: Vec<f64>,
+}
+
+impl Time {
+    pub fn run(&self) -> Result<Outcome> {
+        let pairs = self.pairs();
+        let mut rows = vec![];
+        for gain in [3.0, 5.0, 8.0] {
+            for way in WAYS {
+                let time = |from: Pose, to: Pose| time_to_goal(gain, way, from, to);
+                let mut reached: Vec<f64> =
+                    pairs.par_iter().filter_map(|(from, to)| time(*from, *to)).collect();
+                reached.sort_by(f64::total_cmp);
+                rows.push(Row {
+                    gain,
+                    way,
+                    paper: time(Pose::default(), Pose::at(0.15, 0.15, 1.0)),
+                    reached,
+                });
+            }
+        }
+        self.show(&rows)?;
+        Ok(Outcome::Done)
+    }
+
+    fn pairs(&self) -> Vec<(Pose, Pose)> {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        (0..self.pairs).map(|_| (point(&mut rng), point(&mut rng))).collect()
+    }
+
+    fn show(&self, rows: &[Row]) -> Result<()> {
+        if self.json {
+            let rows: Vec<_> = rows.iter().map(|row| {
+                json!({"gain": row.gain, "planner": format!("{:?}", row.way), "paper": row.paper, "reached": row.reached.len(), "mean": row.mean(), "median": row.quantile(0.5), "p95": row.quantile(0.95)})
+            }).collect();
+            return print_json(&json!({"seed": self.seed, "pairs": self.pairs, "rows": rows}));
+        }
+        let mut text = format!(
+            "seed {}, {} pairs, seconds\nλ = η  planner            paper's move   mean  median    p95  reached\n",
+            self.seed, self.pairs
+        );
+        for row in rows {
+            let paper = row.paper.map_or("-".to_owned(), |t| format!("{t:.2}"));
+            text += &format!(
+                "{:5}  {:<17}  {paper:>12}  {:5.2}  {:6.2}  {:5.2}  {:7}\n",
+                row.gain,
+                format!("{:?}", row.way),
+                row.mean(),
+                row.quantile(0.5),
+                row.quantile(0.95),
+                row.reached.len()
+            );
+        }
+        print(&text)
+    }
+}
+
+impl Row {
+    fn mean(&self) -> f64 {
+        self.reached.iter().sum::<f64>() / self.reached.len() as f64
+    }
+
+    fn quantile(&self, share: f64) -> f64 {
+        let last = self.reached.len().saturating_sub(1);
+        self.reached.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+    }
+}
+
+fn point(rng: &mut Pcg64) -> Pose {
+    let facets = static_workspace(&RobotParameters::default());
+    loop {
+        let point = Vector2::new(rng.random_range(-0.26..0.26), rng.random_range(-0.26..0.26));
+        if facets.iter().all(|facet| facet.slack(&point) > INSET) {
+            return Pose::at(point.x, point.y, 1.0);
+        }
+    }
+}
+
+/// Seconds until the robot rests at the goal.
+fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
+    let planner = if way == Way::Bounded { PlannerKind::Bounded } else { PlannerKind::Exact };
+    let parameters =
+        ControllerParameters { lambda: gain, eta: gain, min_tension: LEAST, planner, ..Default::default() };
+    let response = Response::at(&parameters.gains(), parameters.planner_period);
+    let (mut pose, mut rates, mut set_point) = (from, Coordinates::zeros(), from);
+    for tick in 0..(PATIENCE / parameters.planner_period) as u32 {
+        let now = Situation { pose: &pose, rates: &rates, set_point: &set_point };
+        let steady = now.is_steady();
+        if steady && set_point == goal {
+            return Some(f64::from(tick) * parameters.planner_period);
+        }
+        if let Some(next) =
+            next_set_point(&parameters, &now, &goal).filter(|_| steady || way != Way::ExactFromRest)
+        {
+            set_point = next;
+        }
+        for i in 0..6 {
+            let [x, v, _] = response.motion(pose.0[i], rates[i], set_point.0[i]);
+            (pose.0[i], rates[i]) = (x, v);
+        }
+    }
+    None
+}

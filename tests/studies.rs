@@ -1,0 +1,45 @@
+//! The studies of the command line at a small size: what docs/studies.md claims at full size.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+fn study(arguments: &[&str]) -> Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
+        .arg("study")
+        .args(arguments)
+        .arg("--json")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A hundredth of the ten million cases.
+#[test]
+fn no_admitted_step_slackens_a_cable() {
+    let found = study(&["soundness", "--cases", "100000"]);
+    assert_eq!((found["admitted"].as_u64(), found["slack"].as_u64()), (Some(100_000), Some(0)));
+}
+
+#[test]
+fn the_exact_domain_accepts_all_that_is_admissible_and_the_bounded_one_a_part() {
+    let found = study(&["tightness", "--pairs", "500"]);
+    let cells = found["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 12);
+    for cell in cells {
+        assert_eq!(cell["exact"], cell["admissible"], "{cell}");
+        assert_eq!(cell["wrong"], 0, "{cell}");
+        assert!(cell["bounded"].as_u64() < cell["admissible"].as_u64().map(|n| n.max(1)), "{cell}");
+    }
+}
+
+#[test]
+fn exact_from_any_state_is_the_fastest() {
+    let found = study(&["time", "--pairs", "100"]);
+    for gain in found["rows"].as_array().unwrap().chunks(3) {
+        let mean: Vec<f64> = gain.iter().map(|row| row["mean"].as_f64().unwrap()).collect();
+        assert!(mean[2] <= mean[1] && mean[1] < mean[0], "{gain:?}");
+        assert_eq!(gain[2]["reached"], 100);
+    }
+}
