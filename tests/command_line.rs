@@ -98,6 +98,7 @@ fn rigs_that_make_no_sense_are_refused_with_line_field_and_cause() {
     assert!(error.contains(&format!("line {line}: platform.mass = -6")) && error.contains("greater than 0"));
     let error = refused_rig(&paper.replace("gravity = 9.81", "gravitas = 9.81"));
     assert!(error.contains("gravitas") && error.contains("gravity"), "{error}");
+    assert_eq!(error.matches("unknown field").count(), 1, "{error}");
     let error = refused_rig(&paper.replace("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, 0.0]"));
     assert!(error.contains("in one plane"), "{error}");
     let (_, error) = written(1, &["workspace", "--rig", "no/such.toml"]);

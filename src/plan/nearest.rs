@@ -123,6 +123,9 @@ mod tests {
         assert_eq!(nearest.cable, Some(5));
         assert!((nearest.distance - 0.076).abs() < 1e-6, "{nearest:?}");
         assert!(in_static_workspace(&robot, &nearest.point));
+        let gains = Gains { lambda: 3.0, eta: 3.0 };
+        let domain = domain_facets(&BoundedDomain::new(&robot, &gains, Vector2::zeros(), 1.0));
+        assert_eq!(nearest_admissible(&goal, &domain, 0.0).unwrap().unwrap().cable, Some(5));
     }
 
     #[test]

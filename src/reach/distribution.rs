@@ -111,6 +111,7 @@ pub fn widest_margin(
 /// z of the greatest margin s: maximise s subject to u_min + s ≤ u₀ + N z ≤ u_max - s.
 fn widest(solutions: &Solutions, freedom: usize, limits: &TensionLimits) -> Result<Vec<f64>, SolverError> {
     let (mut rows, bounds) = solutions.limits(limits);
+    let (unit, bounds) = scaled(bounds);
     rows.iter_mut().for_each(|row| row.push(1.0));
     let mut slope = vec![0.0; freedom];
     slope.push(-1.0);
@@ -118,7 +119,13 @@ fn widest(solutions: &Solutions, freedom: usize, limits: &TensionLimits) -> Resu
     // s may be as negative as it needs: there always is a solution.
     let mut x = optimum.ok_or_else(|| SolverError::Unsolved("PrimalInfeasible".to_owned()))?.x;
     x.truncate(freedom);
-    Ok(x)
+    Ok(x.into_iter().map(|z| z * unit).collect())
+}
+
+/// The largest bound in absolute value, N, and the bounds as shares of it: the solver's tolerances are those of numbers about one.
+fn scaled(bounds: Vec<f64>) -> (f64, Vec<f64>) {
+    let unit = bounds.iter().fold(0.0, |largest: f64, bound| largest.max(bound.abs()));
+    (unit, bounds.into_iter().map(|bound| bound / unit).collect())
 }
 
 /// The tensions nearest to the middle of their range, in the sense of least squares: a quadratic programme whose solution is
@@ -141,8 +148,9 @@ pub fn nearest_mid_range(
     let from_middle = solutions.particular.add_scalar(-0.5 * (limits.min + limits.max));
     let slope = solutions.null_space.tr_mul(&from_middle);
     let (rows, bounds) = solutions.limits(limits);
-    let optimum = minimise(&vec![1.0; freedom], slope.as_slice(), &rows, &bounds)?;
-    Ok(optimum.map(|optimum| solutions.tensions(&optimum.x)))
+    let (unit, bounds) = scaled(bounds);
+    let optimum = minimise(&vec![1.0; freedom], (slope / unit).as_slice(), &rows, &bounds)?;
+    Ok(optimum.map(|optimum| solutions.tensions(&optimum.x.iter().map(|z| z * unit).collect::<Vec<_>>())))
 }
 
 /// Smallest distance to a limit, N; negative where one is broken.
@@ -270,6 +278,22 @@ mod tests {
             }
         }
         assert!(found > 50 && tried > 300, "{found} and {tried}");
+    }
+
+    #[test]
+    fn a_platform_of_any_weight_gets_an_answer() {
+        let rig = crate::robot::RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap().rig;
+        let matrix = rig.wrench_matrix(&Pose::at(0.3, 0.2, 2.0));
+        let (wrench, no_least) = (rig.static_wrench(), TensionLimits { min: 0.0, ..rig.limits });
+        let margin = widest_margin(&matrix, &wrench, &no_least).unwrap().signed_margin();
+        for power in [-9, -3, 3, 9, 100] {
+            let factor = 10f64.powi(power);
+            let limits = TensionLimits { min: 0.0, max: rig.limits.max * factor };
+            let scaled = widest_margin(&matrix, &(wrench * factor), &limits).unwrap().signed_margin();
+            assert!((scaled / factor - margin).abs() < 1e-5, "{factor}: {scaled}");
+            // Far too heavy, or next to nothing, within the same limits.
+            assert!(widest_margin(&matrix, &(wrench * factor), &rig.limits).unwrap().signed_margin() < 0.0);
+        }
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub struct RigFile {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RigFileError {
     /// No TOML, an unknown or missing field, or a value of the wrong kind.
-    #[error("{0}")]
+    #[error(transparent)]
     Toml(#[from] toml::de::Error),
     /// A value that makes no sense.
     #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
