@@ -16,7 +16,7 @@ const NEAR_POSITION: f64 = 2e-3;
 const NEAR_ANGLE: f64 = 1e-2;
 
 /// Tension that the exact domain leaves unused, N: what holding the tensions over a sample may cost.
-const SAMPLING_MARGIN: f64 = 0.1;
+pub const SAMPLING_MARGIN: f64 = 0.1;
 /// A set point nearer than this to the last one is not worth giving, m.
 const SMALLEST_STEP: f64 = 1e-5;
 
