@@ -1,57 +1,26 @@
 //! The linear programme (17) itself, posed to clarabel: what the bisection approximates.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 use nalgebra::Vector2;
-use thiserror::Error;
 
 use crate::reach::BoundedDomain;
-
-/// The solver gave no answer that can be used.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum LinearProgramError {
-    /// The problem could not be set up.
-    #[error("the linear programme (17) could not be posed: {0}")]
-    Setup(String),
-    /// The solver stopped short of a solution or of a proof that there is none.
-    #[error("the linear programme (17) was not solved: {0}")]
-    Unsolved(String),
-}
+use crate::reach::quadratic_program::{SolverError, minimise};
 
 /// The smallest β in [0, 1] with x_d = x_f + β (x_prev - x_f) in the closed `domain`; `None` if there is none.
 ///
 /// # Errors
-/// [`LinearProgramError`] if clarabel gives no answer.
+/// [`SolverError`] if clarabel gives no answer.
 pub fn smallest_beta(
     domain: &BoundedDomain,
     x_prev: &Vector2<f64>,
     x_f: &Vector2<f64>,
-) -> Result<Option<f64>, LinearProgramError> {
+) -> Result<Option<f64>, SolverError> {
     let back = x_prev - x_f;
     // Rows `coefficient β ≤ bound`: the half-planes of (15), then β ≤ 1 and -β ≤ 0.
-    let (mut coefficient, mut bound): (Vec<f64>, Vec<f64>) =
-        domain.half_planes().iter().map(|row| (row.normal.dot(&back), row.slack(x_f))).unzip();
-    coefficient.extend([1.0, -1.0]);
-    bound.extend([1.0, 0.0]);
-
-    let rows = bound.len();
-    let matrix = CscMatrix::new(rows, 1, vec![0, rows], (0..rows).collect(), coefficient);
-    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-    let mut solver = DefaultSolver::new(
-        &CscMatrix::zeros((1, 1)),
-        &[1.0],
-        &matrix,
-        &bound,
-        &[NonnegativeConeT(rows)],
-        settings,
-    )
-    .map_err(|error| LinearProgramError::Setup(error.to_string()))?;
-    solver.solve();
-    match solver.solution.status {
-        SolverStatus::Solved | SolverStatus::AlmostSolved => Ok(Some(solver.solution.x[0].clamp(0.0, 1.0))),
-        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => Ok(None),
-        status => Err(LinearProgramError::Unsolved(format!("{status:?}"))),
-    }
+    let of_domain = domain.half_planes().map(|row| (vec![row.normal.dot(&back)], row.slack(x_f)));
+    let ends = [(vec![1.0], 1.0), (vec![-1.0], 0.0)];
+    let (rows, bounds): (Vec<_>, Vec<_>) = of_domain.into_iter().chain(ends).unzip();
+    let optimum = minimise(&[0.0], &[1.0], &rows, &bounds)?;
+    Ok(optimum.map(|optimum| optimum.x[0].clamp(0.0, 1.0)))
 }
 
 #[cfg(test)]
