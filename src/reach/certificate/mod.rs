@@ -1,0 +1,119 @@
+//! A proof, for any rig of six cables and any step in all six coordinates, that no tension leaves its limits on the way.
+//!
+//! The motion under the law (4) is known in closed form, so the tensions are known functions of time. They are enclosed, rounding
+//! included, over a few spans that cover all time from the step on. `docs/certificate.md` derives the method.
+
+pub mod margins;
+pub mod motion;
+pub mod search;
+pub mod statics;
+pub mod taylor;
+
+use thiserror::Error;
+
+pub use motion::Step;
+
+use crate::robot::{CABLES, Rig};
+use margins::Tube;
+
+/// What is known of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Proved: every tension stays strictly within the limits, and between these bounds (N), for ever.
+    Admissible {
+        /// A lower bound of all tensions, N.
+        least: f64,
+        /// An upper bound of all tensions, N.
+        greatest: f64,
+    },
+    /// Proved: a tension is at or beyond a limit.
+    NotAdmissible {
+        /// Number of the cable, from 1.
+        cable: usize,
+        /// When, s after the step.
+        time: f64,
+        /// Its tension then, N.
+        tension: f64,
+    },
+    /// Neither could be proved.
+    Undecided {
+        /// About when the doubt stands, s after the step.
+        time: f64,
+        /// Length of the span that was looked at last, s: 0 at an instant, infinite for all time from then on.
+        resolution: f64,
+        /// Why.
+        cause: Cause,
+    },
+}
+
+/// Why nothing could be proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The wrench matrix is singular, or nearly so.
+    Singular,
+    /// A tension touches its limit, or comes nearer to it than rounding or the margins allow to tell.
+    TooClose,
+}
+
+/// A question that makes no sense.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CertificateError {
+    /// The certificate solves for exactly six tensions.
+    #[error("the rig has {anchors} anchors and {attachments} attachments: the certificate needs 6 of each")]
+    Cables {
+        /// Anchors given.
+        anchors: usize,
+        /// Attachments given.
+        attachments: usize,
+    },
+    /// A number is out of range.
+    #[error("{name} = {value} is not allowed: {allowed}")]
+    Value {
+        /// What the number is.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What would be right, in words.
+        allowed: &'static str,
+    },
+}
+
+/// Decides whether the whole motion from `step` keeps every tension u within u_min < u < u_max.
+///
+/// # Errors
+/// [`CertificateError`] for a rig that does not have six cables and for numbers that make no sense.
+pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
+    check(rig, step)?;
+    Ok(search::walk(rig, step, &Tube::empty(), &rig.limits))
+}
+
+fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
+    let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());
+    if (anchors, attachments) != (CABLES, CABLES) {
+        return Err(CertificateError::Cables { anchors, attachments });
+    }
+    let finite = |name, values: &[f64]| {
+        values.iter().try_for_each(|v| require(v.is_finite(), name, *v, "must be finite"))
+    };
+    let positive = |name, value: f64| {
+        require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
+    };
+    for i in 0..CABLES {
+        finite("a coordinate of an anchor", rig.anchors[i].as_slice())?;
+        finite("a coordinate of an attachment", rig.attachments[i].as_slice())?;
+    }
+    positive("mass", rig.mass)?;
+    rig.inertia.iter().try_for_each(|moment| positive("inertia", *moment))?;
+    require(rig.g.is_finite() && rig.g >= 0.0, "g", rig.g, "must be finite and 0 or greater")?;
+    require(rig.limits.min >= 0.0, "limits.min", rig.limits.min, "a cable cannot push: 0 or greater")?;
+    require(rig.limits.max > rig.limits.min, "limits.max", rig.limits.max, "must be greater than limits.min")?;
+    finite("a coordinate of the start", step.start.0.as_slice())?;
+    finite("a rate of the start", step.rates.as_slice())?;
+    finite("a coordinate of the set point", step.set_point.0.as_slice())?;
+    positive("lambda", step.gains.lambda)?;
+    positive("eta", step.gains.eta)
+}
+
+fn require(ok: bool, name: &'static str, value: f64, allowed: &'static str) -> Result<(), CertificateError> {
+    if ok { Ok(()) } else { Err(CertificateError::Value { name, value, allowed }) }
+}
