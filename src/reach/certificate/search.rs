@@ -22,7 +22,7 @@ const MOST_SPANS: usize = 4000;
 enum Finding {
     /// All tensions within the limits: the least and the greatest.
     Inside([f64; 2]),
-    /// A tension wholly beyond a limit.
+    /// A tension wholly beyond a limit, this at the time where it is farthest.
     Beyond { cable: usize, time: f64, tension: f64 },
     /// A tension that may be beyond, most of all at this time.
     Perhaps { time: f64 },
@@ -35,11 +35,15 @@ pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Verd
     let look = |span| look(rig, step, tube, limits, span);
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
+    let refusal = |doubtful: f64| match look(Span::Between(doubtful, doubtful)) {
+        Finding::Inside(_) => None,
+        Finding::Beyond { cable, time, tension } => Some(Verdict::NotAdmissible { cable, time, tension }),
+        Finding::Perhaps { time } => Some(undecided(time, 0.0, Cause::TooClose)),
+        Finding::Singular => Some(undecided(doubtful, 0.0, Cause::Singular)),
+    };
     let mut found = match look(Span::From(end)) {
         Finding::Inside(range) => range,
-        Finding::Beyond { cable, time, tension } => return Verdict::NotAdmissible { cable, time, tension },
-        Finding::Perhaps { .. } => return undecided(end, f64::INFINITY, Cause::TooClose),
-        Finding::Singular => return undecided(end, f64::INFINITY, Cause::Singular),
+        _ => return refusal(end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)),
     };
     let admissible = |[least, greatest]: [f64; 2]| Verdict::Admissible { least, greatest };
     let mut arrival = FIRST_ARRIVAL / step.slow_rate();
@@ -61,20 +65,12 @@ pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Verd
                 width *= 2.0;
                 continue;
             }
-            Finding::Beyond { cable, time, tension } => {
-                return Verdict::NotAdmissible { cable, time, tension };
-            }
-            Finding::Perhaps { time } => time,
+            Finding::Beyond { time, .. } | Finding::Perhaps { time } => time,
             Finding::Singular => time + 0.5 * width,
         };
         // Cutting the span helps only if that very time is free of doubt.
-        match look(Span::Between(doubtful, doubtful)) {
-            Finding::Inside(_) => {}
-            Finding::Beyond { cable, time, tension } => {
-                return Verdict::NotAdmissible { cable, time, tension };
-            }
-            Finding::Perhaps { time } => return undecided(time, 0.0, Cause::TooClose),
-            Finding::Singular => return undecided(doubtful, 0.0, Cause::Singular),
+        if let Some(verdict) = refusal(doubtful) {
+            return verdict;
         }
         width *= 0.5;
         if width * step.fast_rate() < SHORTEST {
