@@ -212,3 +212,32 @@ fn time_taken() {
         }
     }
 }
+
+#[test]
+fn explore() {
+    use cable_robot::reach::certificate::{Margins, certify_with_margins, margins};
+    let none = Margins::default();
+    for w in [3.0, 6.0] {
+        let step = Step {
+            start: Pose::default(),
+            rates: Coordinates::zeros(),
+            set_point: Pose::at(0.1, 0.05, 1.0),
+            gains: Gains { lambda: w, eta: w },
+        };
+        println!("{:?}", certify(&paper(), &step));
+        for m in [
+            Margins { mass: 0.02, ..none },
+            Margins { centre_of_mass: 1e-4, ..none },
+            Margins { force: 0.1, ..none },
+            Margins { torque: 0.005, ..none },
+            Margins { friction: 0.01, ..none },
+            Margins { sample_period: 1e-3, ..none },
+            Margins { delay: 1e-3, ..none },
+        ] {
+            println!("{w} {:?}", m);
+            println!("     {:?}", certify_with_margins(&paper(), &step, &m));
+            let extent = margins::Extent { tension: [0.0, 25.0], length: [0.9, 1.4] };
+            println!("     {:?}", margins::tube(&paper(), &step, &m, &extent, 30.0));
+        }
+    }
+}

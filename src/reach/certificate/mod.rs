@@ -11,10 +11,11 @@ pub mod taylor;
 
 use thiserror::Error;
 
+pub use margins::Margins;
 pub use motion::Step;
 
-use crate::robot::{CABLES, Rig};
-use margins::Tube;
+use crate::robot::{CABLES, Rig, TensionLimits};
+use margins::{Extent, Tube};
 
 /// What is known of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,8 @@ pub enum Cause {
     Singular,
     /// A tension touches its limit, or comes nearer to it than rounding or the margins allow to tell.
     TooClose,
+    /// An angle may get half a turn away from its set point, where the law turns back the other way round.
+    HalfTurn,
 }
 
 /// A question that makes no sense.
@@ -84,8 +87,57 @@ pub enum CertificateError {
 /// [`CertificateError`] for a rig that does not have six cables and for numbers that make no sense.
 pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
     check(rig, step)?;
-    Ok(search::walk(rig, step, &Tube::empty(), &rig.limits))
+    Ok(nominal(rig, step).map_or_else(|verdict| verdict, |extent| admissible(&extent)))
 }
+
+/// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
+/// at rest before the step, or in a motion no faster than the one that follows.
+///
+/// "Not admissible" is proved of the closed form. Where that is admissible and the margins take too much, the answer is "undecided".
+///
+/// # Errors
+/// As [`certify`], and for margins that make no sense.
+pub fn certify_with_margins(
+    rig: &Rig,
+    step: &Step,
+    margins: &Margins,
+) -> Result<Verdict, CertificateError> {
+    check(rig, step)?;
+    check_margins(margins)?;
+    Ok(with_margins(rig, step, margins).map_or_else(|verdict| verdict, |extent| admissible(&extent)))
+}
+
+fn admissible(extent: &Extent) -> Verdict {
+    let [least, greatest] = extent.tension;
+    Verdict::Admissible { least, greatest }
+}
+
+fn nominal(rig: &Rig, step: &Step) -> Result<Extent, Verdict> {
+    if margins::reaches_half_turn(step, &Tube::empty()) {
+        return Err(Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause: Cause::HalfTurn });
+    }
+    search::walk(rig, step, &Tube::empty(), &rig.limits)
+}
+
+fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Extent, Verdict> {
+    let too_close = Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause: Cause::TooClose };
+    let extent = nominal(rig, step)?;
+    // The tube is made for tensions up to `most`; that they stay below is shown along with the limits.
+    let most = rig.limits.max.min(TENSION_ALLOWANCE * extent.tension[1]);
+    let tube = margins::tube(rig, step, margins, &extent, most).ok_or(too_close)?;
+    let limits = TensionLimits { min: rig.limits.min + margins.friction, max: most - margins.friction };
+    let commanded = search::walk(rig, step, &tube, &limits).map_err(|verdict| match verdict {
+        Verdict::NotAdmissible { time, .. } => {
+            Verdict::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
+        }
+        other => other,
+    })?;
+    let [least, greatest] = commanded.tension;
+    Ok(Extent { tension: [least - margins.friction, greatest + margins.friction], ..commanded })
+}
+
+/// How much larger than in the closed form the tensions may get when margins are counted in.
+const TENSION_ALLOWANCE: f64 = 1.5;
 
 fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());
@@ -112,6 +164,22 @@ fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     finite("a coordinate of the set point", step.set_point.0.as_slice())?;
     positive("lambda", step.gains.lambda)?;
     positive("eta", step.gains.eta)
+}
+
+fn check_margins(margins: &Margins) -> Result<(), CertificateError> {
+    require(margins.mass < 1.0, "margins.mass", margins.mass, "a relative error below 1")?;
+    for (name, value) in [
+        ("margins.mass", margins.mass),
+        ("margins.centre_of_mass", margins.centre_of_mass),
+        ("margins.force", margins.force),
+        ("margins.torque", margins.torque),
+        ("margins.friction", margins.friction),
+        ("margins.sample_period", margins.sample_period),
+        ("margins.delay", margins.delay),
+    ] {
+        require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
+    }
+    Ok(())
 }
 
 fn require(ok: bool, name: &'static str, value: f64, allowed: &'static str) -> Result<(), CertificateError> {

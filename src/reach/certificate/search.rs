@@ -1,11 +1,11 @@
 //! The walk along the motion, span by span, until a verdict is proved.
 
-use super::margins::Tube;
+use super::margins::{Extent, Tube};
 use super::motion::{Span, Step};
-use super::statics::tensions;
+use super::statics::{Cables, cables};
 use super::taylor::Taylor;
 use super::{Cause, Verdict};
-use crate::robot::{PerCable, Rig, TensionLimits};
+use crate::robot::{Rig, TensionLimits};
 
 /// First span, in time constants of the faster gain.
 const FIRST: f64 = 0.5;
@@ -20,8 +20,8 @@ const MOST_SPANS: usize = 4000;
 
 /// What one span shows.
 enum Finding {
-    /// All tensions within the limits: the least and the greatest.
-    Inside([f64; 2]),
+    /// All tensions within the limits.
+    Inside(Extent),
     /// A tension wholly beyond a limit, this at the time where it is farthest.
     Beyond { cable: usize, time: f64, tension: f64 },
     /// A tension that may be beyond, most of all at this time.
@@ -30,8 +30,11 @@ enum Finding {
     Singular,
 }
 
-/// Decides whether all motions in `tube` keep strictly within `limits`. Only with an empty tube may the answer be "not admissible".
-pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Verdict {
+/// Shows that all motions in `tube` keep strictly within `limits`, or else gives the verdict why not.
+///
+/// # Errors
+/// A [`Verdict`] that is not "admissible". "Not admissible" speaks of all motions in the tube.
+pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Result<Extent, Verdict> {
     let look = |span| look(rig, step, tube, limits, span);
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
@@ -42,25 +45,24 @@ pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Verd
         Finding::Singular => Some(undecided(doubtful, 0.0, Cause::Singular)),
     };
     let mut found = match look(Span::From(end)) {
-        Finding::Inside(range) => range,
-        _ => return refusal(end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)),
+        Finding::Inside(extent) => extent,
+        _ => return Err(refusal(end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose))),
     };
-    let admissible = |[least, greatest]: [f64; 2]| Verdict::Admissible { least, greatest };
     let mut arrival = FIRST_ARRIVAL / step.slow_rate();
     let (mut time, mut width) = (0.0, FIRST / step.fast_rate());
     for _ in 0..MOST_SPANS {
         if time >= end {
-            return admissible(found);
+            return Ok(found);
         }
         if time >= arrival {
-            if let Finding::Inside(range) = look(Span::From(time)) {
-                return admissible(hull(found, range));
+            if let Finding::Inside(extent) = look(Span::From(time)) {
+                return Ok(found.with(&extent));
             }
             arrival = 1.5 * time;
         }
         let doubtful = match look(Span::Between(time, time + width)) {
-            Finding::Inside(range) => {
-                found = hull(found, range);
+            Finding::Inside(extent) => {
+                found = found.with(&extent);
                 time += width;
                 width *= 2.0;
                 continue;
@@ -70,52 +72,51 @@ pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Verd
         };
         // Cutting the span helps only if that very time is free of doubt.
         if let Some(verdict) = refusal(doubtful) {
-            return verdict;
+            return Err(verdict);
         }
         width *= 0.5;
         if width * step.fast_rate() < SHORTEST {
-            return undecided(doubtful, width, Cause::Singular);
+            return Err(undecided(doubtful, width, Cause::Singular));
         }
     }
-    undecided(time, width, Cause::TooClose)
+    Err(undecided(time, width, Cause::TooClose))
 }
 
 fn look(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits, span: Span) -> Finding {
-    match tensions(rig, &step.motion(span, tube)) {
-        Some(tensions) => judge(&tensions, limits, span),
+    match cables(rig, &step.motion(span, tube)) {
+        Some(cables) => judge(&cables, limits, span),
         None => Finding::Singular,
     }
 }
 
 /// The worst of the six tensions.
-fn judge(tensions: &PerCable<Taylor>, limits: &TensionLimits, span: Span) -> Finding {
-    let mut all = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut worst = (f64::NEG_INFINITY, Finding::Singular);
-    for (i, tension) in tensions.iter().enumerate() {
+fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Finding {
+    let mut worst = 0.0;
+    let mut finding = None;
+    for (i, tension) in cables.tension.iter().enumerate() {
         let [least, greatest] = tension.range();
         if least > limits.min && greatest < limits.max {
-            all = hull(all, [least, greatest]);
             continue;
         }
-        let beyond = |[least, greatest]: [f64; 2]| greatest <= limits.min || least >= limits.max;
-        let (excess, side) = if limits.min - least >= greatest - limits.max {
-            (limits.min - least, 0)
-        } else {
-            (greatest - limits.max, 1)
-        };
-        if excess > worst.0 {
-            let time = span.time(tension.extremes()[side]);
-            let finding = if beyond([least, greatest]) {
-                Finding::Beyond { cable: i + 1, time, tension: 0.5 * (least + greatest) }
-            } else {
-                Finding::Perhaps { time }
-            };
-            worst = (excess, finding);
+        let (below, above) = (limits.min - least, greatest - limits.max);
+        if finding.is_none() || below.max(above) > worst {
+            worst = below.max(above);
+            let time = span.time(tension.extremes()[usize::from(above > below)]);
+            let beyond = greatest <= limits.min || least >= limits.max;
+            let tension = 0.5 * (least + greatest);
+            finding =
+                Some(if beyond { Finding::Beyond { cable: i + 1, time, tension } } else { Finding::Perhaps { time } });
         }
     }
-    match worst {
-        (f64::NEG_INFINITY, _) if all[0] > limits.min => Finding::Inside(all),
-        (_, finding) => finding,
+    finding.unwrap_or_else(|| {
+        let hull = |of: &[Taylor]| of.iter().map(Taylor::range).reduce(hull).unwrap_or_default();
+        Finding::Inside(Extent { tension: hull(&cables.tension), length: hull(&cables.length) })
+    })
+}
+
+impl Extent {
+    fn with(&self, other: &Self) -> Self {
+        Self { tension: hull(self.tension, other.tension), length: hull(self.length, other.length) }
     }
 }
 

@@ -10,21 +10,29 @@ use crate::robot::{CABLES, PerCable, Rig};
 
 type Vector = [Taylor; 3];
 
-/// Tensions of all cables over the span of `motion`, N; `None` where the wrench matrix is singular or too near to it to tell.
+/// The cables over a span of time.
+pub struct Cables {
+    /// Tensions, N.
+    pub tension: PerCable<Taylor>,
+    /// Lengths, m.
+    pub length: PerCable<Taylor>,
+}
+
+/// The cables over the span of `motion`; `None` where the wrench matrix is singular or too near to it to tell.
 ///
 /// The columns of the matrix are taken `length` times too long, which makes them linear in R and the position: what is solved for is
 /// tension over length.
-pub fn tensions(rig: &Rig, motion: &Motion) -> Option<PerCable<Taylor>> {
+pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
     let orientation = Orientation::new(motion);
     let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
-    let mut lengths = [Taylor::ZERO; CABLES];
+    let mut length = [Taylor::ZERO; CABLES];
     let mut matrix = [[Taylor::ZERO; CABLES]; 6];
     for i in 0..CABLES {
         let attachment = &rig.attachments[i];
         let anchor = orientation.turned_to_platform(&rig.anchors[i]);
         let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
         let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
-        lengths[i] = norm(&along)?;
+        length[i] = norm(&along)?;
         let torque = arm_cross(attachment, &from_centre);
         for k in 0..3 {
             matrix[k][i] = along[k];
@@ -32,7 +40,8 @@ pub fn tensions(rig: &Rig, motion: &Motion) -> Option<PerCable<Taylor>> {
         }
     }
     let per_length = solve(&matrix, &required_wrench(rig, motion, &orientation))?;
-    Some(std::array::from_fn(|i| per_length[i] * lengths[i]))
+    let tension = std::array::from_fn(|i| per_length[i] * length[i]);
+    Some(Cables { tension, length })
 }
 
 /// Sines and cosines of the angles and R = Rz(yaw) Ry(pitch) Rx(roll).
