@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::motion::Step;
-use crate::robot::{CABLES, Coordinates, Rig};
+use crate::robot::{CABLES, Coordinates, PerCable, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
 const UPWARDS: f64 = 1.0 + 1e-9;
@@ -44,12 +44,12 @@ pub struct Tube {
     pub accelerations: Coordinates,
 }
 
-/// What the closed form comes to, over all time and all cables.
+/// What the cables come to over all time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// Least and greatest tension, N.
-    pub tension: [f64; 2],
-    /// Least and greatest length of a cable, m.
+    /// Least and greatest tension of each cable, N.
+    pub tension: PerCable<[f64; 2]>,
+    /// Least and greatest length of any cable, m.
     pub length: [f64; 2],
 }
 
@@ -79,16 +79,16 @@ pub fn reaches_half_turn(step: &Step, tube: &Tube) -> bool {
     error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6)
 }
 
-/// The coordinates, rates and accelerations that the law is told, while every cable pulls `tension` (N) at most; `None` where no
-/// bound is found.
+/// The coordinates, rates and accelerations that the law is told, while all cables together pull `tension` (N) at most and the
+/// shortest of them is `shortest` (m) in the closed form; `None` where no bound is found.
 ///
 /// For a bound D of the accelerations that the model does not know, the motion stays in a tube about the closed form, and in this tube
 /// those accelerations are below G(D). A D with G(D) < D is what is looked for.
-pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent, tension: f64) -> Option<Tube> {
+pub fn tube(rig: &Rig, step: &Step, margins: &Margins, shortest: f64, tension: f64) -> Option<Tube> {
     let mut bound = Coordinates::zeros();
     for _ in 0..MOST_BOUNDS {
         let around = Around::new(rig, step, margins, &bound);
-        let disturbance = around.disturbance(extent, tension)?;
+        let disturbance = around.disturbance(shortest, tension)?;
         if disturbance.iter().zip(&bound).all(|(found, tried)| found < tried || *found == 0.0) {
             return Some(around.told());
         }
@@ -153,39 +153,36 @@ impl<'a> Around<'a> {
     }
 
     /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
-    fn disturbance(&self, extent: &Extent, tension: f64) -> Option<Coordinates> {
+    fn disturbance(&self, shortest: f64, tension: f64) -> Option<Coordinates> {
         let Self { rig, margins, age, .. } = *self;
         let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
-        let stretch = linear(&self.tube.coordinates) + radius * angular(&self.tube.coordinates);
-        let (shortest, longest) = (extent.length[0] - stretch, extent.length[1] + stretch);
+        let shortest = shortest - linear(&self.tube.coordinates) - radius * angular(&self.tube.coordinates);
         if shortest <= 0.0 || reaches_half_turn(self.step, &self.told()) {
             return None;
         }
-        // What the cables turn through while a command is held and grows old, seen from the base and from the platform.
-        let all = CABLES as f64;
+        // What a cable turns through while a command is held and grows old, seen from the base and from the platform.
         let turned = age * (speed + spin * radius) / shortest;
-        let turned_platform = age * (speed + spin * (longest + radius)) / shortest;
-        let force = all * (tension * turned + margins.friction);
-        let torque = all * radius * (tension * turned_platform + margins.friction);
+        let friction = CABLES as f64 * margins.friction;
+        let force = tension * turned + friction;
+        let torque = radius * (tension * (turned + age * spin) + friction);
 
-        let late = self.late();
+        let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
         let alpha = angular(&self.actual) + spin * spin;
-        let weight = rig.g + linear(&self.commanded);
-        let known = 1.0 / (1.0 - margins.mass);
-        let push = linear(&late) + margins.mass * weight + (force + margins.force) / rig.mass;
-        let position = known * push + margins.centre_of_mass * (alpha + spin * spin);
+        let weight = self.commanded + Coordinates::z() * rig.g;
+        let push = late + weight * margins.mass + Coordinates::repeat((force + margins.force) / rig.mass);
+        let swing = margins.centre_of_mass * (alpha + spin * spin);
+        let position = push * known + Coordinates::repeat(swing);
 
-        let pull = rig.mass * (weight + linear(&late)) + force;
+        let pull = rig.mass * (linear(&weight) + linear(&late)) + force;
         let largest = rig.inertia.max();
         let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
         let torque = gyroscopic + torque + margins.centre_of_mass * pull + margins.torque;
-        let kinematic =
-            angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
+        let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
         let told = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
         let body = rig.inertia.map(|moment| known * (told + torque / moment));
         let [roll, pitch, yaw] = self.angle_accelerations(&body)?;
-        Some(Coordinates::new(position, position, position, roll, pitch, yaw) * UPWARDS)
+        Some(Coordinates::new(position.x, position.y, position.z, roll, pitch, yaw) * UPWARDS)
     }
 
     /// Bounds of the accelerations of roll, pitch and yaw, from those of angular accelerations about the platform's axes.

@@ -108,36 +108,44 @@ pub fn certify_with_margins(
 }
 
 fn admissible(extent: &Extent) -> Verdict {
-    let [least, greatest] = extent.tension;
+    let [first, others @ ..] = extent.tension;
+    let [least, greatest] =
+        others.into_iter().fold(first, |[least, greatest], [l, g]| [least.min(l), greatest.max(g)]);
     Verdict::Admissible { least, greatest }
 }
 
 fn nominal(rig: &Rig, step: &Step) -> Result<Extent, Verdict> {
     if margins::reaches_half_turn(step, &Tube::empty()) {
-        return Err(Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause: Cause::HalfTurn });
+        return Err(undecided_at_large(Cause::HalfTurn));
     }
-    search::walk(rig, step, &Tube::empty(), &rig.limits)
+    search::walk(rig, step, &Tube::empty(), &[rig.limits; CABLES])
 }
 
 fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Extent, Verdict> {
-    let too_close = Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause: Cause::TooClose };
-    let extent = nominal(rig, step)?;
-    // The tube is made for tensions up to `most`; that they stay below is shown along with the limits.
-    let most = rig.limits.max.min(TENSION_ALLOWANCE * extent.tension[1]);
-    let tube = margins::tube(rig, step, margins, &extent, most).ok_or(too_close)?;
-    let limits = TensionLimits { min: rig.limits.min + margins.friction, max: most - margins.friction };
+    let closed_form = nominal(rig, step)?;
+    let largest = closed_form.tension.iter().fold(0.0_f64, |largest, [_, greatest]| largest.max(*greatest));
+    // The tube is made for tensions up to these; that they stay below is shown along with the limits.
+    let most = closed_form.tension.map(|[_, greatest]| rig.limits.max.min(greatest + ALLOWANCE * largest));
+    let tube = margins::tube(rig, step, margins, closed_form.length[0], most.iter().sum())
+        .ok_or(undecided_at_large(Cause::TooClose))?;
+    let friction = margins.friction;
+    let limits = most.map(|most| TensionLimits { min: rig.limits.min + friction, max: most - friction });
     let commanded = search::walk(rig, step, &tube, &limits).map_err(|verdict| match verdict {
         Verdict::NotAdmissible { time, .. } => {
             Verdict::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
         }
         other => other,
     })?;
-    let [least, greatest] = commanded.tension;
-    Ok(Extent { tension: [least - margins.friction, greatest + margins.friction], ..commanded })
+    let tension = commanded.tension.map(|[least, greatest]| [least - friction, greatest + friction]);
+    Ok(Extent { tension, ..commanded })
 }
 
-/// How much larger than in the closed form the tensions may get when margins are counted in.
-const TENSION_ALLOWANCE: f64 = 1.5;
+fn undecided_at_large(cause: Cause) -> Verdict {
+    Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause }
+}
+
+/// By how much the tensions may grow when margins are counted in, as a share of the largest in the closed form.
+const ALLOWANCE: f64 = 0.25;
 
 fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());

@@ -3,9 +3,8 @@
 use super::margins::{Extent, Tube};
 use super::motion::{Span, Step};
 use super::statics::{Cables, cables};
-use super::taylor::Taylor;
 use super::{Cause, Verdict};
-use crate::robot::{Rig, TensionLimits};
+use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// First span, in time constants of the faster gain.
 const FIRST: f64 = 0.5;
@@ -34,7 +33,7 @@ enum Finding {
 ///
 /// # Errors
 /// A [`Verdict`] that is not "admissible". "Not admissible" speaks of all motions in the tube.
-pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Result<Extent, Verdict> {
+pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &PerCable<TensionLimits>) -> Result<Extent, Verdict> {
     let look = |span| look(rig, step, tube, limits, span);
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
@@ -82,7 +81,7 @@ pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits) -> Resu
     Err(undecided(time, width, Cause::TooClose))
 }
 
-fn look(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits, span: Span) -> Finding {
+fn look(rig: &Rig, step: &Step, tube: &Tube, limits: &PerCable<TensionLimits>, span: Span) -> Finding {
     match cables(rig, &step.motion(span, tube)) {
         Some(cables) => judge(&cables, limits, span),
         None => Finding::Singular,
@@ -90,11 +89,11 @@ fn look(rig: &Rig, step: &Step, tube: &Tube, limits: &TensionLimits, span: Span)
 }
 
 /// The worst of the six tensions.
-fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Finding {
+fn judge(cables: &Cables, limits: &PerCable<TensionLimits>, span: Span) -> Finding {
     let mut worst = 0.0;
     let mut finding = None;
     for (i, tension) in cables.tension.iter().enumerate() {
-        let [least, greatest] = tension.range();
+        let (limits, [least, greatest]) = (&limits[i], tension.range());
         if least > limits.min && greatest < limits.max {
             continue;
         }
@@ -109,14 +108,18 @@ fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Finding {
         }
     }
     finding.unwrap_or_else(|| {
-        let hull = |of: &[Taylor]| of.iter().map(Taylor::range).reduce(hull).unwrap_or_default();
-        Finding::Inside(Extent { tension: hull(&cables.tension), length: hull(&cables.length) })
+        let [first, lengths @ ..] = cables.length.map(|length| length.range());
+        let length = lengths.into_iter().fold(first, hull);
+        Finding::Inside(Extent { tension: cables.tension.map(|tension| tension.range()), length })
     })
 }
 
 impl Extent {
     fn with(&self, other: &Self) -> Self {
-        Self { tension: hull(self.tension, other.tension), length: hull(self.length, other.length) }
+        Self {
+            tension: std::array::from_fn(|i| hull(self.tension[i], other.tension[i])),
+            length: hull(self.length, other.length),
+        }
     }
 }
 
