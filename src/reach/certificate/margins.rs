@@ -139,7 +139,8 @@ impl<'a> Around<'a> {
 
     /// How far the law's accelerations at the state it is told are from those at the true one.
     fn late(&self) -> Coordinates {
-        let (sum, product) = (self.step.gains.lambda + self.step.gains.eta, self.step.gains.omega_n_squared());
+        let (sum, product) =
+            (self.step.gains.lambda + self.step.gains.eta, self.step.gains.omega_n_squared());
         (self.rates * product + self.actual * sum) * (self.age * UPWARDS)
     }
 

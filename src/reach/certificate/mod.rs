@@ -97,11 +97,7 @@ pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
 ///
 /// # Errors
 /// As [`certify`], and for margins that make no sense.
-pub fn certify_with_margins(
-    rig: &Rig,
-    step: &Step,
-    margins: &Margins,
-) -> Result<Verdict, CertificateError> {
+pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
     check(rig, step)?;
     check_margins(margins)?;
     Ok(with_margins(rig, step, margins).map_or_else(|verdict| verdict, |extent| admissible(&extent)))
@@ -166,7 +162,12 @@ fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     rig.inertia.iter().try_for_each(|moment| positive("inertia", *moment))?;
     require(rig.g.is_finite() && rig.g >= 0.0, "g", rig.g, "must be finite and 0 or greater")?;
     require(rig.limits.min >= 0.0, "limits.min", rig.limits.min, "a cable cannot push: 0 or greater")?;
-    require(rig.limits.max > rig.limits.min, "limits.max", rig.limits.max, "must be greater than limits.min")?;
+    require(
+        rig.limits.max > rig.limits.min,
+        "limits.max",
+        rig.limits.max,
+        "must be greater than limits.min",
+    )?;
     finite("a coordinate of the start", step.start.0.as_slice())?;
     finite("a rate of the start", step.rates.as_slice())?;
     finite("a coordinate of the set point", step.set_point.0.as_slice())?;

@@ -33,7 +33,12 @@ enum Finding {
 ///
 /// # Errors
 /// A [`Verdict`] that is not "admissible". "Not admissible" speaks of all motions in the tube.
-pub fn walk(rig: &Rig, step: &Step, tube: &Tube, limits: &PerCable<TensionLimits>) -> Result<Extent, Verdict> {
+pub fn walk(
+    rig: &Rig,
+    step: &Step,
+    tube: &Tube,
+    limits: &PerCable<TensionLimits>,
+) -> Result<Extent, Verdict> {
     let look = |span| look(rig, step, tube, limits, span);
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
@@ -103,8 +108,11 @@ fn judge(cables: &Cables, limits: &PerCable<TensionLimits>, span: Span) -> Findi
             let time = span.time(tension.extremes()[usize::from(above > below)]);
             let beyond = greatest <= limits.min || least >= limits.max;
             let tension = 0.5 * (least + greatest);
-            finding =
-                Some(if beyond { Finding::Beyond { cable: i + 1, time, tension } } else { Finding::Perhaps { time } });
+            finding = Some(if beyond {
+                Finding::Beyond { cable: i + 1, time, tension }
+            } else {
+                Finding::Perhaps { time }
+            });
         }
     }
     finding.unwrap_or_else(|| {

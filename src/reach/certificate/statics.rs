@@ -102,7 +102,8 @@ fn required_wrench(rig: &Rig, motion: &Motion, orientation: &Orientation) -> [Ta
     let torque: Vector = std::array::from_fn(|k| {
         let (next, last) = ((k + 1) % 3, (k + 2) % 3);
         // Euler's equations about principal axes; the difference of the moments is rounded once.
-        let coupling = Taylor::ball(moment[last] - moment[next], f64::EPSILON * (moment[last] + moment[next]));
+        let coupling =
+            Taylor::ball(moment[last] - moment[next], f64::EPSILON * (moment[last] + moment[next]));
         alpha[k] * moment[k] + omega[next] * omega[last] * coupling
     });
     let [fx, fy, fz] = force.map(|component| component * rig.mass);
@@ -139,9 +140,8 @@ fn solve(matrix: &[[Taylor; CABLES]; 6], wrench: &[Taylor; 6]) -> Option<PerCabl
         let one = Taylor::constant(1.0);
         (0..6).map(|i| if i == k { (one - a[k][i]).size() } else { a[k][i].size() }).sum::<f64>() * ROUND_UP
     });
-    let residual: [f64; 6] = std::array::from_fn(|k| {
-        (0..6).fold(b[k], |left, i| left - a[k][i] * near[i]).size()
-    });
+    let residual: [f64; 6] =
+        std::array::from_fn(|k| (0..6).fold(b[k], |left, i| left - a[k][i] * near[i]).size());
     let rho = greatest(&distance);
     if rho.is_nan() || rho >= 1.0 - 1e-9 {
         return None;
