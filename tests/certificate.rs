@@ -378,8 +378,9 @@ fn no_cable_leaves_the_certified_range_on_an_imperfect_plant() {
     let mut rng = Pcg64::seed_from_u64(42);
     let (mut accepted, mut admissible, mut used) = (0, 0, vec![]);
     while accepted < 300 {
-        let mut step = random_step(&mut rng, 0.1);
+        let mut step = random_step(&mut rng, 0.05);
         step.rates = Coordinates::zeros();
+        step.gains = Gains { lambda: rng.random_range(2.0..5.0), eta: rng.random_range(2.0..5.0) };
         for k in 3..6 {
             step.start.0[k] *= 0.3;
             step.set_point.0[k] *= 0.3;

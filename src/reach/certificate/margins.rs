@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::motion::Step;
-use crate::robot::{CABLES, Coordinates, PerCable, Rig};
+use super::statics::{Cables, stiffness};
+use crate::robot::{CABLES, Coordinates, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
 const UPWARDS: f64 = 1.0 + 1e-9;
@@ -44,13 +45,55 @@ pub struct Tube {
     pub accelerations: Coordinates,
 }
 
-/// What the cables come to over all time.
+/// What the cables come to over all time: what the disturbances depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// Least and greatest tension of each cable, N.
-    pub tension: PerCable<[f64; 2]>,
-    /// Least and greatest length of any cable, m.
-    pub length: [f64; 2],
+    /// Greatest sum of the tensions, N.
+    pub pull: f64,
+    /// Shortest cable, m.
+    pub shortest: f64,
+    /// Bounds of [`stiffness`].
+    pub stiffness: [[f64; 6]; 3],
+}
+
+impl Extent {
+    /// Of nothing yet.
+    pub fn none() -> Self {
+        Self { pull: 0.0, shortest: f64::INFINITY, stiffness: [[0.0; 6]; 3] }
+    }
+
+    /// Takes in a span.
+    pub fn include(&mut self, rig: &Rig, cables: &Cables) {
+        let pull: f64 = cables.tension.iter().map(|tension| tension.range()[1]).sum();
+        self.pull = self.pull.max(pull * UPWARDS);
+        self.shortest =
+            cables.length.iter().fold(self.shortest, |least, length| least.min(length.range()[0]));
+        self.raise_stiffness(&stiffness(rig, cables));
+    }
+
+    fn raise_stiffness(&mut self, other: &[[f64; 6]; 3]) {
+        for (mine, other) in self.stiffness.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
+            *mine = mine.max(*other);
+        }
+    }
+
+    /// A guess at what this becomes in a tube: larger by a quarter of the largest.
+    pub fn enlarged(&self) -> Self {
+        let largest = self.stiffness.as_flattened().iter().fold(0.0_f64, |most, k| most.max(*k));
+        Self {
+            pull: 1.1 * self.pull,
+            shortest: 0.97 * self.shortest,
+            stiffness: self.stiffness.map(|row| row.map(|k| 1.05 * k + 0.05 * largest)),
+        }
+    }
+
+    /// Whether nothing is larger than assumed.
+    pub fn is_within(&self, assumed: &Self) -> bool {
+        let stiffness = self.stiffness.as_flattened().iter().zip(assumed.stiffness.as_flattened());
+        self.pull <= assumed.pull
+            && self.shortest >= assumed.shortest
+            && stiffness.into_iter().all(|(k, most)| k <= most)
+    }
 }
 
 impl Tube {
@@ -79,16 +122,15 @@ pub fn reaches_half_turn(step: &Step, tube: &Tube) -> bool {
     error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6)
 }
 
-/// The coordinates, rates and accelerations that the law is told, while all cables together pull `tension` (N) at most and the
-/// shortest of them is `shortest` (m) in the closed form; `None` where no bound is found.
+/// The coordinates, rates and accelerations that the law is told, while the cables are within `extent`; `None` where no bound is found.
 ///
 /// For a bound D of the accelerations that the model does not know, the motion stays in a tube about the closed form, and in this tube
 /// those accelerations are below G(D). A D with G(D) < D is what is looked for.
-pub fn tube(rig: &Rig, step: &Step, margins: &Margins, shortest: f64, tension: f64) -> Option<Tube> {
+pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent) -> Option<Tube> {
     let mut bound = Coordinates::zeros();
     for _ in 0..MOST_BOUNDS {
         let around = Around::new(rig, step, margins, &bound);
-        let disturbance = around.disturbance(shortest, tension)?;
+        let disturbance = around.disturbance(extent)?;
         if disturbance.iter().zip(&bound).all(|(found, tried)| found < tried || *found == 0.0) {
             return Some(around.told());
         }
@@ -154,19 +196,21 @@ impl<'a> Around<'a> {
     }
 
     /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
-    fn disturbance(&self, shortest: f64, tension: f64) -> Option<Coordinates> {
+    fn disturbance(&self, extent: &Extent) -> Option<Coordinates> {
         let Self { rig, margins, age, .. } = *self;
         let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
-        let shortest = shortest - linear(&self.tube.coordinates) - radius * angular(&self.tube.coordinates);
-        if shortest <= 0.0 || reaches_half_turn(self.step, &self.told()) {
+        let (roll, pitch) = (self.largest_angle(3), self.largest_angle(4));
+        if pitch > 1.5 || reaches_half_turn(self.step, &self.told()) {
             return None;
         }
-        // What a cable turns through while a command is held and grows old, seen from the base and from the platform.
-        let turned = age * (speed + spin * radius) / shortest;
+        // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
         let friction = CABLES as f64 * margins.friction;
-        let force = tension * turned + friction;
-        let torque = radius * (tension * (turned + age * spin) + friction);
+        let force = extent.pull * age * (speed + spin * radius) / extent.shortest + friction;
+        let [dx, dy, dz, d_roll, d_pitch, d_yaw]: [f64; 6] = self.rates.into();
+        let twist = [dx, dy, dz, d_roll + pitch * d_yaw, d_pitch + roll * d_yaw, d_yaw + roll * d_pitch];
+        let turned = |k: usize| (0..6).map(|j| extent.stiffness[k][j] * twist[j]).sum::<f64>() * age;
+        let torque = Vector3::from_fn(|k, _| turned(k) + radius * friction);
 
         let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
         let alpha = angular(&self.actual) + spin * spin;
@@ -178,24 +222,23 @@ impl<'a> Around<'a> {
         let pull = rig.mass * (linear(&weight) + linear(&late)) + force;
         let largest = rig.inertia.max();
         let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
-        let torque = gyroscopic + torque + margins.centre_of_mass * pull + margins.torque;
+        let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque;
         let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
         let told = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
-        let body = rig.inertia.map(|moment| known * (told + torque / moment));
-        let [roll, pitch, yaw] = self.angle_accelerations(&body)?;
-        Some(Coordinates::new(position.x, position.y, position.z, roll, pitch, yaw) * UPWARDS)
+        let body = Vector3::from_fn(|k, _| known * (told + (torque[k] + outer) / rig.inertia[k]));
+        // From angular accelerations about the platform's axes to those of the angles.
+        let across = roll * body.y + body.z;
+        let angles = [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()];
+        let [x, y, z] = [position.x, position.y, position.z];
+        Some(Coordinates::new(x, y, z, angles[0], angles[1], angles[2]) * UPWARDS)
     }
 
-    /// Bounds of the accelerations of roll, pitch and yaw, from those of angular accelerations about the platform's axes.
-    fn angle_accelerations(&self, body: &Vector3<f64>) -> Option<[f64; 3]> {
-        let largest = |k: usize| {
-            let goal = self.step.set_point.0[k];
-            let ends = goal.abs().max((goal + self.step.start.minus(&self.step.set_point)[k]).abs());
-            ends + self.step.rates[k].abs() * largest_phi(self.step) + self.tube.coordinates[k]
-        };
-        let (roll, pitch) = (largest(3).min(1.0), largest(4));
-        let across = roll * body.y + body.z;
-        (pitch < 1.5).then(|| [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()])
+    /// Largest absolute value of an angle that the motion or what the law is told of it takes, at least its sine; rad.
+    fn largest_angle(&self, k: usize) -> f64 {
+        let goal = self.step.set_point.0[k];
+        let from = goal + self.step.start.minus(&self.step.set_point)[k];
+        let swing = self.step.rates[k].abs() * largest_phi(self.step);
+        goal.abs().max(from.abs()) + swing + self.told().coordinates[k]
     }
 }
 

@@ -16,6 +16,7 @@ pub use motion::Step;
 
 use crate::robot::{CABLES, Rig, TensionLimits};
 use margins::{Extent, Tube};
+use statics::Cables;
 
 /// What is known of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +88,8 @@ pub enum CertificateError {
 /// [`CertificateError`] for a rig that does not have six cables and for numbers that make no sense.
 pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
     check(rig, step)?;
-    Ok(nominal(rig, step).map_or_else(|verdict| verdict, |extent| admissible(&extent)))
+    let mut range = Range::none();
+    Ok(closed_form(rig, step, |cables| range.include(cables)).map_or_else(|no| no, |()| range.admissible()))
 }
 
 /// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
@@ -100,48 +102,80 @@ pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
     check(rig, step)?;
     check_margins(margins)?;
-    Ok(with_margins(rig, step, margins).map_or_else(|verdict| verdict, |extent| admissible(&extent)))
+    Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
 
-fn admissible(extent: &Extent) -> Verdict {
-    let [first, others @ ..] = extent.tension;
-    let [least, greatest] =
-        others.into_iter().fold(first, |[least, greatest], [l, g]| [least.min(l), greatest.max(g)]);
-    Verdict::Admissible { least, greatest }
-}
-
-fn nominal(rig: &Rig, step: &Step) -> Result<Extent, Verdict> {
+fn closed_form(rig: &Rig, step: &Step, inside: impl FnMut(&Cables)) -> Result<(), Verdict> {
     if margins::reaches_half_turn(step, &Tube::empty()) {
         return Err(undecided_at_large(Cause::HalfTurn));
     }
-    search::walk(rig, step, &Tube::empty(), &[rig.limits; CABLES])
+    search::walk(rig, step, &Tube::empty(), &rig.limits, inside)
 }
 
-fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Extent, Verdict> {
-    let closed_form = nominal(rig, step)?;
-    let largest = closed_form.tension.iter().fold(0.0_f64, |largest, [_, greatest]| largest.max(*greatest));
-    // The tube is made for tensions up to these; that they stay below is shown along with the limits.
-    let most = closed_form.tension.map(|[_, greatest]| rig.limits.max.min(greatest + ALLOWANCE * largest));
-    let tube = margins::tube(rig, step, margins, closed_form.length[0], most.iter().sum())
-        .ok_or(undecided_at_large(Cause::TooClose))?;
+/// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
+fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
     let friction = margins.friction;
-    let limits = most.map(|most| TensionLimits { min: rig.limits.min + friction, max: most - friction });
-    let commanded = search::walk(rig, step, &tube, &limits).map_err(|verdict| match verdict {
-        Verdict::NotAdmissible { time, .. } => {
-            Verdict::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
+    let limits = TensionLimits { min: rig.limits.min + friction, max: rig.limits.max - friction };
+    let mut extent = Extent::none();
+    closed_form(rig, step, |cables| extent.include(rig, cables))?;
+    for _ in 0..MOST_GUESSES {
+        let guess = extent.enlarged();
+        let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
+        let mut range = Range::none();
+        extent = Extent::none();
+        let inside = |cables: &Cables| {
+            range.include(cables);
+            extent.include(rig, cables);
+        };
+        search::walk(rig, step, &tube, &limits, inside).map_err(Verdict::of_a_tube)?;
+        if extent.is_within(&guess) {
+            return Ok(Range { least: range.least - friction, greatest: range.greatest + friction });
         }
-        other => other,
-    })?;
-    let tension = commanded.tension.map(|[least, greatest]| [least - friction, greatest + friction]);
-    Ok(Extent { tension, ..commanded })
+    }
+    Err(undecided_at_large(Cause::TooClose))
+}
+
+/// Guesses at what the cables come to in the tube.
+const MOST_GUESSES: usize = 5;
+
+/// Bounds of the tensions seen, N.
+struct Range {
+    least: f64,
+    greatest: f64,
+}
+
+impl Range {
+    fn none() -> Self {
+        Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY }
+    }
+
+    fn include(&mut self, cables: &Cables) {
+        for [least, greatest] in cables.tension.map(|tension| tension.range()) {
+            self.least = self.least.min(least);
+            self.greatest = self.greatest.max(greatest);
+        }
+    }
+
+    fn admissible(&self) -> Verdict {
+        Verdict::Admissible { least: self.least, greatest: self.greatest }
+    }
+}
+
+impl Verdict {
+    /// That all motions in a tube leave the limits does not say which of them happens.
+    fn of_a_tube(self) -> Self {
+        match self {
+            Self::NotAdmissible { time, .. } => {
+                Self::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
+            }
+            other => other,
+        }
+    }
 }
 
 fn undecided_at_large(cause: Cause) -> Verdict {
     Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause }
 }
-
-/// By how much the tensions may grow when margins are counted in, as a share of the largest in the closed form.
-const ALLOWANCE: f64 = 0.25;
 
 fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());

@@ -1,10 +1,10 @@
 //! The walk along the motion, span by span, until a verdict is proved.
 
-use super::margins::{Extent, Tube};
+use super::margins::Tube;
 use super::motion::{Span, Step};
 use super::statics::{Cables, cables};
 use super::{Cause, Verdict};
-use crate::robot::{PerCable, Rig, TensionLimits};
+use crate::robot::{Rig, TensionLimits};
 
 /// First span, in time constants of the faster gain.
 const FIRST: f64 = 0.5;
@@ -20,7 +20,7 @@ const MOST_SPANS: usize = 4000;
 /// What one span shows.
 enum Finding {
     /// All tensions within the limits.
-    Inside(Extent),
+    Inside,
     /// A tension wholly beyond a limit, this at the time where it is farthest.
     Beyond { cable: usize, time: f64, tension: f64 },
     /// A tension that may be beyond, most of all at this time.
@@ -29,7 +29,8 @@ enum Finding {
     Singular,
 }
 
-/// Shows that all motions in `tube` keep strictly within `limits`, or else gives the verdict why not.
+/// Shows that all motions in `tube` keep strictly within `limits`, or else gives the verdict why not. `inside` is shown the cables over
+/// spans that cover all time.
 ///
 /// # Errors
 /// A [`Verdict`] that is not "admissible". "Not admissible" speaks of all motions in the tube.
@@ -37,36 +38,45 @@ pub fn walk(
     rig: &Rig,
     step: &Step,
     tube: &Tube,
-    limits: &PerCable<TensionLimits>,
-) -> Result<Extent, Verdict> {
-    let look = |span| look(rig, step, tube, limits, span);
+    limits: &TensionLimits,
+    mut inside: impl FnMut(&Cables),
+) -> Result<(), Verdict> {
+    let mut look = |span| match cables(rig, &step.motion(span, tube)) {
+        Some(cables) => match judge(&cables, limits, span) {
+            Some(finding) => finding,
+            None => {
+                inside(&cables);
+                Finding::Inside
+            }
+        },
+        None => Finding::Singular,
+    };
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
-    let refusal = |doubtful: f64| match look(Span::Between(doubtful, doubtful)) {
-        Finding::Inside(_) => None,
+    let refusal = |at_instant: Finding, instant| match at_instant {
+        Finding::Inside => None,
         Finding::Beyond { cable, time, tension } => Some(Verdict::NotAdmissible { cable, time, tension }),
         Finding::Perhaps { time } => Some(undecided(time, 0.0, Cause::TooClose)),
-        Finding::Singular => Some(undecided(doubtful, 0.0, Cause::Singular)),
+        Finding::Singular => Some(undecided(instant, 0.0, Cause::Singular)),
     };
-    let mut found = match look(Span::From(end)) {
-        Finding::Inside(extent) => extent,
-        _ => return Err(refusal(end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose))),
-    };
+    if !matches!(look(Span::From(end)), Finding::Inside) {
+        let at_end = look(Span::Between(end, end));
+        return Err(refusal(at_end, end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)));
+    }
     let mut arrival = FIRST_ARRIVAL / step.slow_rate();
     let (mut time, mut width) = (0.0, FIRST / step.fast_rate());
     for _ in 0..MOST_SPANS {
         if time >= end {
-            return Ok(found);
+            return Ok(());
         }
         if time >= arrival {
-            if let Finding::Inside(extent) = look(Span::From(time)) {
-                return Ok(found.with(&extent));
+            if matches!(look(Span::From(time)), Finding::Inside) {
+                return Ok(());
             }
             arrival = 1.5 * time;
         }
         let doubtful = match look(Span::Between(time, time + width)) {
-            Finding::Inside(extent) => {
-                found = found.with(&extent);
+            Finding::Inside => {
                 time += width;
                 width *= 2.0;
                 continue;
@@ -75,7 +85,7 @@ pub fn walk(
             Finding::Singular => time + 0.5 * width,
         };
         // Cutting the span helps only if that very time is free of doubt.
-        if let Some(verdict) = refusal(doubtful) {
+        if let Some(verdict) = refusal(look(Span::Between(doubtful, doubtful)), doubtful) {
             return Err(verdict);
         }
         width *= 0.5;
@@ -86,19 +96,12 @@ pub fn walk(
     Err(undecided(time, width, Cause::TooClose))
 }
 
-fn look(rig: &Rig, step: &Step, tube: &Tube, limits: &PerCable<TensionLimits>, span: Span) -> Finding {
-    match cables(rig, &step.motion(span, tube)) {
-        Some(cables) => judge(&cables, limits, span),
-        None => Finding::Singular,
-    }
-}
-
-/// The worst of the six tensions.
-fn judge(cables: &Cables, limits: &PerCable<TensionLimits>, span: Span) -> Finding {
+/// The worst of the six tensions; `None` where all are within the limits.
+fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Option<Finding> {
     let mut worst = 0.0;
     let mut finding = None;
     for (i, tension) in cables.tension.iter().enumerate() {
-        let (limits, [least, greatest]) = (&limits[i], tension.range());
+        let [least, greatest] = tension.range();
         if least > limits.min && greatest < limits.max {
             continue;
         }
@@ -115,22 +118,5 @@ fn judge(cables: &Cables, limits: &PerCable<TensionLimits>, span: Span) -> Findi
             });
         }
     }
-    finding.unwrap_or_else(|| {
-        let [first, lengths @ ..] = cables.length.map(|length| length.range());
-        let length = lengths.into_iter().fold(first, hull);
-        Finding::Inside(Extent { tension: cables.tension.map(|tension| tension.range()), length })
-    })
-}
-
-impl Extent {
-    fn with(&self, other: &Self) -> Self {
-        Self {
-            tension: std::array::from_fn(|i| hull(self.tension[i], other.tension[i])),
-            length: hull(self.length, other.length),
-        }
-    }
-}
-
-fn hull(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0].min(b[0]), a[1].max(b[1])]
+    finding
 }

@@ -16,6 +16,9 @@ pub struct Cables {
     pub tension: PerCable<Taylor>,
     /// Lengths, m.
     pub length: PerCable<Taylor>,
+    /// From attachment to anchor, m, in the platform's frame.
+    along: [Vector; CABLES],
+    orientation: Orientation,
 }
 
 /// The cables over the span of `motion`; `None` where the wrench matrix is singular or too near to it to tell.
@@ -26,6 +29,7 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
     let orientation = Orientation::new(motion);
     let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
     let mut length = [Taylor::ZERO; CABLES];
+    let mut all_along = [[Taylor::ZERO; 3]; CABLES];
     let mut matrix = [[Taylor::ZERO; CABLES]; 6];
     for i in 0..CABLES {
         let attachment = &rig.attachments[i];
@@ -33,6 +37,7 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
         let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
         let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
         length[i] = norm(&along)?;
+        all_along[i] = along;
         let torque = arm_cross(attachment, &from_centre);
         for k in 0..3 {
             matrix[k][i] = along[k];
@@ -41,7 +46,40 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
     }
     let per_length = solve(&matrix, &required_wrench(rig, motion, &orientation))?;
     let tension = std::array::from_fn(|i| per_length[i] * length[i]);
-    Some(Cables { tension, length })
+    Some(Cables { tension, length, along: all_along, orientation })
+}
+
+/// Bounds of how much the torque of the cables about the platform's axes changes when it moves while the tensions are held:
+/// N m a metre along x, y, z of the base, N m a radian about the platform's axes.
+///
+/// A cable that runs along v, of length l, pulls u v/l; moved by v' it pulls u/l (v' - v (v·v')/l²) more.
+pub fn stiffness(rig: &Rig, cables: &Cables) -> [[f64; 6]; 3] {
+    let mut torque = [[Taylor::ZERO; 3]; 6];
+    for i in 0..CABLES {
+        let (v, attachment) = (&cables.along[i], &rig.attachments[i]);
+        let inverse_length = cables.length[i].inverse();
+        let (per_length, per_square) = (cables.tension[i] * inverse_length, inverse_length * inverse_length);
+        for j in 0..6 {
+            let moved =
+                if j < 3 { cables.orientation.rotation[j].map(|r| -r) } else { turned(v, attachment, j - 3) };
+            let along = (v[0] * moved[0] + v[1] * moved[1] + v[2] * moved[2]) * per_square;
+            let change: Vector = std::array::from_fn(|k| (moved[k] - v[k] * along) * per_length);
+            let by_cable = arm_cross(attachment, &change);
+            torque[j] = std::array::from_fn(|k| torque[j][k] + by_cable[k]);
+        }
+    }
+    let bound = |size: f64| if size.is_nan() { f64::INFINITY } else { size };
+    std::array::from_fn(|k| std::array::from_fn(|j| bound(torque[j][k].size())))
+}
+
+/// How the way from attachment to anchor changes a radian of the platform's turn about its own axis: -(axis × from the centre).
+fn turned(along: &Vector, attachment: &Vector3<f64>, axis: usize) -> Vector {
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    let from_centre = |k: usize| along[k] + Taylor::constant(attachment[k]);
+    let mut change = [Taylor::ZERO; 3];
+    change[next] = from_centre(last);
+    change[last] = -from_centre(next);
+    change
 }
 
 /// Sines and cosines of the angles and R = Rz(yaw) Ry(pitch) Rx(roll).
@@ -155,7 +193,11 @@ const ROUND_UP: f64 = 1.0 + 1e-6;
 
 /// NaN if there is one.
 fn greatest(values: &[f64; 6]) -> f64 {
-    values.iter().fold(0.0, |most, value| if *value <= most { most } else { *value })
+    if values.iter().any(|value| value.is_nan()) {
+        f64::NAN
+    } else {
+        values.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 /// The polynomials that solve A u = b power by power, taking A's constant part for 1.

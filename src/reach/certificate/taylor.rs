@@ -138,6 +138,16 @@ impl Taylor {
         (sin * cos_step + cos * sin_step, cos * cos_step - sin * sin_step)
     }
 
+    /// One over functions that are greater than 0, within a constant; without bound where they may not be.
+    pub fn inverse(&self) -> Self {
+        let [least, greatest] = self.range();
+        if least <= 0.0 {
+            return Self::ball(0.0, f64::INFINITY);
+        }
+        let (low, high) = (1.0 / greatest, 1.0 / least);
+        Self::ball(0.5 * (low + high), 0.5 * (high - low) + 2.0 * f64::EPSILON * high)
+    }
+
     /// The square root of functions that are 0 or more; `None` where they come too near to 0 to tell.
     ///
     /// With a polynomial r near it, |√s - r| = |s - r²|/(√s + r) is at most |s - r²|/r.
