@@ -201,7 +201,7 @@ impl<'a> Around<'a> {
         let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
         let (roll, pitch) = (self.largest_angle(3), self.largest_angle(4));
-        if pitch > 1.5 || reaches_half_turn(self.step, &self.told()) {
+        if pitch > 1.5 || extent.shortest <= 0.0 || reaches_half_turn(self.step, &self.told()) {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
@@ -250,4 +250,62 @@ fn linear(q: &Coordinates) -> f64 {
 /// Of roll, pitch and yaw together: each turns the platform about an axis of its own.
 fn angular(q: &Coordinates) -> f64 {
     q.fixed_rows::<3>(3).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{Gains, Response};
+    use crate::robot::{Pose, RobotParameters, TensionLimits};
+
+    fn step(lambda: f64, eta: f64) -> Step {
+        let gains = Gains { lambda, eta };
+        Step {
+            start: Pose::default(),
+            rates: Coordinates::zeros(),
+            set_point: Pose::at(0.05, 0.0, 1.0),
+            gains,
+        }
+    }
+
+    /// ∫|φ|, ∫|φ'| and ∫|φ''| by the midpoint rule: what the worst disturbance of size 1 does to x, x' and the command.
+    #[test]
+    fn the_tube_is_what_the_worst_disturbance_does() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        for (lambda, eta) in [(3.0, 3.0), (2.0, 5.0), (8.0, 1.0)] {
+            let step = step(lambda, eta);
+            let h = 1e-3;
+            let mut worst = [0.0; 3];
+            for k in 0..20_000 {
+                let phi = Response::at(&step.gains, (f64::from(k) + 0.5) * h).motion(0.0, 1.0, 0.0);
+                for d in 0..3 {
+                    worst[d] += phi[d].abs() * h;
+                }
+            }
+            let one = Coordinates::repeat(1.0);
+            let tube = Around::new(&rig, &step, &Margins::default(), &one).tube;
+            for (bound, worst) in [tube.coordinates, tube.rates, tube.accelerations].iter().zip(worst) {
+                assert!((bound[0] - worst).abs() < 1e-4 * worst, "{} is not {worst}", bound[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_alone_moves_the_robot_by_force_over_stiffness() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let margins = Margins { force: 0.6, ..Margins::default() };
+        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        let tube = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
+        let expected = 0.6 / 6.0 / 9.0;
+        assert!(tube.coordinates[2] >= expected && tube.coordinates[2] < 1.05 * expected, "{tube:?}");
+        assert_eq!(tube.coordinates[4], 0.0);
+    }
+
+    #[test]
+    fn what_the_loop_cannot_stand_has_no_tube() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let margins = Margins { delay: 0.2, ..Margins::default() };
+        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        assert_eq!(tube(&rig, &step(3.0, 3.0), &margins, &extent), None);
+    }
 }

@@ -104,3 +104,45 @@ impl Step {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Response;
+    use rand::{RngExt, SeedableRng};
+
+    fn contains(number: &Taylor, tau: f64, value: f64) -> bool {
+        let polynomial = number.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
+        (polynomial - value).abs() <= number.error + 1e-14 * number.size()
+    }
+
+    #[test]
+    fn encloses_the_response_in_spans_and_for_ever() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(12);
+        for case in 0..2000 {
+            let lambda = rng.random_range(0.5..10.0);
+            let eta = if case % 4 == 0 { lambda } else { rng.random_range(0.5..10.0) };
+            let mut coordinates = || Coordinates::from_fn(|_, _| rng.random_range(-1.0..1.0));
+            let (start, rates, set_point) = (Pose(coordinates()), coordinates(), Pose(coordinates()));
+            let step = Step { start, rates, set_point, gains: Gains { lambda, eta } };
+            let from = rng.random_range(0.0..3.0);
+            let last = (1.0 / step.slow_rate()).max(from);
+            for (span, end) in [(Span::Between(from, from + 0.3), from + 0.3), (Span::From(last), last + 3.0)]
+            {
+                let motion = step.motion(span, &Tube::empty());
+                for tau in [-1.0, -0.3, 0.4, 1.0] {
+                    let begin = span.time(-1.0);
+                    let t = begin + 0.5 * (tau + 1.0) * (end - begin);
+                    let response = Response::at(&step.gains, t);
+                    for k in 0..6 {
+                        let [x, v, a] = response.motion(start.0[k], rates[k], set_point.0[k]);
+                        let enclosed = [&motion.coordinates, &motion.rates, &motion.accelerations];
+                        for (number, value) in enclosed.into_iter().zip([x, v, a]) {
+                            assert!(contains(&number[k], tau, value), "{step:?}, {span:?}: {value} at {t}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

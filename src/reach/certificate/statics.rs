@@ -216,3 +216,100 @@ fn series(a: &[[Taylor; 6]; 6], b: &[Taylor; 6]) -> [Taylor; 6] {
     }
     u
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Gains;
+    use crate::reach::certificate::margins::Tube;
+    use crate::reach::certificate::motion::{Span, Step};
+    use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits, tensions};
+    use nalgebra::Rotation3;
+
+    const STEP: Step = Step {
+        start: Pose(Coordinates::new(0.05, -0.1, 1.1, 0.1, -0.2, 0.3)),
+        rates: Coordinates::new(0.1, 0.2, -0.1, 0.4, -0.3, 0.5),
+        set_point: Pose(Coordinates::new(0.0, 0.1, 0.9, -0.1, 0.1, -0.2)),
+        gains: Gains { lambda: 2.0, eta: 4.0 },
+    };
+
+    fn paper() -> (RobotParameters, Rig) {
+        let robot = RobotParameters::default();
+        (robot, Rig::triangular(&robot, TensionLimits { min: 0.0, max: 100.0 }))
+    }
+
+    /// In the middle of a span.
+    fn middle(numbers: &[Taylor; 6]) -> Coordinates {
+        Coordinates::from_fn(|k, _| numbers[k].coefficients[0])
+    }
+
+    #[test]
+    fn tensions_are_those_of_the_inverse_dynamics() {
+        let (robot, rig) = paper();
+        let geometry = Geometry::new(&robot);
+        for k in 0..50 {
+            let time = 0.05 * f64::from(k);
+            let motion = STEP.motion(Span::Between(time, time), &Tube::empty());
+            let found = cables(&rig, &motion).unwrap();
+            let at = |of| middle(of);
+            let [q, dq, ddq] = [at(&motion.coordinates), at(&motion.rates), at(&motion.accelerations)];
+            let expected = tensions(&robot, &geometry, &Pose(q), &dq, &ddq).unwrap();
+            for i in 0..CABLES {
+                let [low, high] = found.tension[i].range();
+                assert!(
+                    high - low < 1e-9 && (expected[i] - low).abs() < 1e-9,
+                    "{} is not {}",
+                    low,
+                    expected[i]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_span_encloses_its_instants_with_an_error_of_high_order() {
+        let (_, rig) = paper();
+        let over =
+            |width: f64| cables(&rig, &STEP.motion(Span::Between(0.2, 0.2 + width), &Tube::empty())).unwrap();
+        let span = over(0.1);
+        for k in 0..=20 {
+            let at = 0.2 + 0.005 * f64::from(k);
+            let instant = cables(&rig, &STEP.motion(Span::Between(at, at), &Tube::empty())).unwrap();
+            for i in 0..CABLES {
+                let ([low, high], [l, h]) = (span.tension[i].range(), instant.tension[i].range());
+                assert!(low <= l && h <= high);
+            }
+        }
+        assert!(span.tension[0].error < 1e-2 && over(0.05).tension[0].error < span.tension[0].error / 40.0);
+    }
+
+    #[test]
+    fn stiffness_is_the_change_of_the_torque() {
+        let (robot, rig) = paper();
+        let geometry = Geometry::new(&robot);
+        let motion = STEP.motion(Span::Between(0.3, 0.3), &Tube::empty());
+        let found = cables(&rig, &motion).unwrap();
+        let tension = found.tension.map(|u| u.coefficients[0]);
+        let pose = Pose(middle(&motion.coordinates));
+        let torque = |moved: &Vector3<f64>, turn: &Vector3<f64>| {
+            let rotation = pose.rotation() * Rotation3::from_scaled_axis(*turn);
+            rotation.inverse() * geometry.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
+        };
+        let bounds = stiffness(&rig, &found);
+        for j in 0..6 {
+            let step = |h: f64| {
+                let axis = Vector3::from_fn(|k, _| if k == j % 3 { h } else { 0.0 });
+                if j < 3 { torque(&axis, &Vector3::zeros()) } else { torque(&Vector3::zeros(), &axis) }
+            };
+            let change = (step(1e-5) - step(-1e-5)) / 2e-5;
+            for k in 0..3 {
+                assert!(
+                    (bounds[k][j] - change[k].abs()).abs() < 1e-6,
+                    "{k} {j}: {} {}",
+                    bounds[k][j],
+                    change[k]
+                );
+            }
+        }
+    }
+}

@@ -148,7 +148,7 @@ impl Taylor {
         Self::ball(0.5 * (low + high), 0.5 * (high - low) + 2.0 * f64::EPSILON * high)
     }
 
-    /// The square root of functions that are 0 or more; `None` where they come too near to 0 to tell.
+    /// The square root of functions that are 0 or more; `None` where the polynomial near it is not positive.
     ///
     /// With a polynomial r near it, |√s - r| = |s - r²|/(√s + r) is at most |s - r²|/r.
     pub fn sqrt(&self) -> Option<Self> {
@@ -251,4 +251,104 @@ pub fn combination<const N: usize>(factors: [f64; N], terms: [&Taylor; N]) -> Ta
     }
     sum.error = (sum.error + ROUNDING * rounded + UNDERFLOW) * UPWARDS;
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Checks that `number` encloses `function` closely: within 1e-15 of what its polynomial and error say, at 21 places.
+    fn encloses(number: &Taylor, function: impl Fn(f64) -> f64) {
+        let [low, high] = number.range();
+        for k in -10..=10 {
+            let tau = 0.1 * f64::from(k);
+            let value = function(tau);
+            let polynomial = number.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
+            let rounding = 1e-15 * number.size();
+            assert!(
+                (polynomial - value).abs() <= number.error + rounding,
+                "{number:?} at {tau} is not {value}"
+            );
+            assert!(low - rounding <= value && value <= high + rounding);
+        }
+    }
+
+    fn random(rng: &mut Pcg64) -> Taylor {
+        let mut number = Taylor::ZERO;
+        number.coefficients = std::array::from_fn(|_| rng.random_range(-0.3..0.3));
+        number.coefficients[0] += 2.0;
+        number
+    }
+
+    fn value(number: &Taylor, tau: f64) -> f64 {
+        number.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c)
+    }
+
+    #[test]
+    fn operations_enclose_the_functions() {
+        let mut rng = Pcg64::seed_from_u64(1);
+        for _ in 0..500 {
+            let (a, b) = (random(&mut rng), random(&mut rng));
+            encloses(&(a * b), |tau| value(&a, tau) * value(&b, tau));
+            encloses(&(a - b * 3.0), |tau| value(&a, tau) - 3.0 * value(&b, tau));
+            encloses(&combination([0.7, -1.3], [&a, &b]), |tau| 0.7 * value(&a, tau) - 1.3 * value(&b, tau));
+            let (sin, cos) = a.sin_cos();
+            encloses(&sin, |tau| value(&a, tau).sin());
+            encloses(&cos, |tau| value(&a, tau).cos());
+            if a.range()[0] > 0.0 {
+                encloses(&a.inverse(), |tau| 1.0 / value(&a, tau));
+                encloses(&a.sqrt().unwrap(), |tau| value(&a, tau).sqrt());
+            }
+        }
+    }
+
+    #[test]
+    fn errors_of_the_operands_are_kept() {
+        let mut rng = Pcg64::seed_from_u64(2);
+        for _ in 0..500 {
+            let (a, b) = (random(&mut rng), random(&mut rng));
+            let (da, db) = (rng.random_range(-0.1..0.1), rng.random_range(-0.1..0.1));
+            let (wide_a, wide_b) = (a.widened(f64::abs(da)), b.widened(f64::abs(db)));
+            let (a, b) = (|tau| value(&a, tau) + da, |tau| value(&b, tau) + db);
+            encloses(&(wide_a * wide_b), |tau| a(tau) * b(tau));
+            encloses(&(wide_a + wide_b), |tau| a(tau) + b(tau));
+            encloses(&wide_a.sin_cos().0, |tau| a(tau).sin());
+            encloses(&(wide_a * wide_a + Taylor::constant(1.0)).sqrt().unwrap(), |tau| {
+                (a(tau) * a(tau) + 1.0).sqrt()
+            });
+        }
+    }
+
+    #[test]
+    fn exponentials_enclose_with_an_error_of_sixth_order() {
+        for (rate, middle, half) in
+            [(3.0, 1.0, 0.2), (8.0, 0.1, 0.1), (0.0, 0.5, 0.5), (1e-9, 2.0, 1.0), (40.0, 3.0, 1.0)]
+        {
+            let t = |tau: f64| middle + half * tau;
+            let integral = |t: f64| if rate == 0.0 { t } else { -f64::exp_m1(-rate * t) / rate };
+            encloses(&Taylor::decay(rate, middle, half), |tau| (-rate * t(tau)).exp());
+            encloses(&Taylor::integrated_decay(rate, middle, half), |tau| integral(t(tau)));
+        }
+        let error = |half| Taylor::decay(3.0, 1.0, half).error;
+        assert!(error(0.2) < 1e-5 && error(0.1) < error(0.2) / 60.0);
+    }
+
+    #[test]
+    fn a_parabola_is_bounded_exactly() {
+        let mut parabola = Taylor::constant(1.0);
+        parabola.coefficients[1] = -0.5;
+        parabola.coefficients[2] = 0.5;
+        let [low, high] = parabola.range();
+        assert!(
+            (low - 0.875).abs() < 1e-14 && (high - 2.0).abs() < 1e-14 && parabola.extremes() == [0.5, -1.0]
+        );
+    }
+
+    #[test]
+    fn zero_has_no_enclosed_root_and_no_inverse() {
+        assert_eq!(Taylor::constant(0.0).sqrt(), None);
+        assert_eq!(Taylor::ball(0.1, 0.2).inverse().size(), f64::INFINITY);
+    }
 }
