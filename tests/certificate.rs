@@ -447,3 +447,30 @@ fn time_taken() {
         }
     }
 }
+
+/// What docs/certificate.md says of Table I.
+#[test]
+fn margins_that_table_i_bears() {
+    let none = Margins::default();
+    let step = Step {
+        start: Pose::default(),
+        rates: Coordinates::zeros(),
+        set_point: Pose::at(0.06, 0.03, 1.0),
+        gains: Gains { lambda: 3.0, eta: 3.0 },
+    };
+    let borne = |robot: &RobotParameters, margins: Margins| {
+        let verdict = certify_with_margins(&Rig::triangular(robot, TAUT), &step, &margins).unwrap();
+        println!("I = {}: {margins:?}: {verdict:?}", robot.i1);
+        matches!(verdict, Verdict::Admissible { .. })
+    };
+    let light = RobotParameters::default();
+    assert!(borne(&light, none));
+    assert!(borne(&light, Margins { mass: 0.02, ..none }));
+    assert!(borne(&light, Margins { force: 0.1, ..none }));
+    assert!(borne(&light, Margins { sample_period: 1e-3, ..none }));
+    borne(&light, Margins { sample_period: 1e-3, delay: 1e-3, ..none });
+    borne(&light, Margins { centre_of_mass: 3e-5, ..none });
+    borne(&light, Margins { friction: 2e-3, ..none });
+    assert!(!borne(&light, Margins { centre_of_mass: 1e-4, ..none }));
+    assert!(borne(&disc(), Margins { centre_of_mass: 1e-4, ..none }));
+}
