@@ -1,0 +1,311 @@
+//! What keeps the robot from the closed form, how far, and what that leaves of the certificate. Derived in `docs/certificate.md`.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+
+use super::motion::Step;
+use super::statics::{Cables, stiffness};
+use crate::robot::{CABLES, Coordinates, Rig};
+
+/// Makes an upper bound of a formula of positive terms that is computed with rounding.
+const UPWARDS: f64 = 1.0 + 1e-9;
+/// By how much a bound of the disturbing accelerations is tried larger than what the last one led to.
+const GROWTH: f64 = 1.02;
+/// Bounds tried.
+const MOST_BOUNDS: usize = 200;
+
+/// Bounds of what the controller does not know or cannot do; all zero is the closed form itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margins {
+    /// Relative error of the mass and of each moment of inertia, below 1.
+    pub mass: f64,
+    /// Distance of the centre of mass from where the rig says it is, m.
+    pub centre_of_mass: f64,
+    /// Force on the centre of mass, N.
+    pub force: f64,
+    /// Torque about it, N m.
+    pub torque: f64,
+    /// Difference of what a cable pulls from what was commanded, N: friction that no force loop makes up for.
+    pub friction: f64,
+    /// Longest time for which a command is held, s.
+    pub sample_period: f64,
+    /// Age of the pose and velocity that a command is computed from, s.
+    pub delay: f64,
+}
+
+/// How far coordinates (m, rad), rates (m/s, rad/s) and accelerations (m/s², rad/s²) that go into the law may be from the closed form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tube {
+    /// Of the coordinates.
+    pub coordinates: Coordinates,
+    /// Of their rates.
+    pub rates: Coordinates,
+    /// Of the accelerations.
+    pub accelerations: Coordinates,
+}
+
+/// What the cables come to over all time: what the disturbances depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Greatest sum of the tensions, N.
+    pub pull: f64,
+    /// Shortest cable, m.
+    pub shortest: f64,
+    /// Bounds of [`stiffness`].
+    pub stiffness: [[f64; 6]; 3],
+}
+
+impl Extent {
+    /// Of nothing yet.
+    pub fn none() -> Self {
+        Self { pull: 0.0, shortest: f64::INFINITY, stiffness: [[0.0; 6]; 3] }
+    }
+
+    /// Takes in a span.
+    pub fn include(&mut self, rig: &Rig, cables: &Cables) {
+        let pull: f64 = cables.tension.iter().map(|tension| tension.range()[1]).sum();
+        self.pull = self.pull.max(pull * UPWARDS);
+        self.shortest =
+            cables.length.iter().fold(self.shortest, |least, length| least.min(length.range()[0]));
+        self.raise_stiffness(&stiffness(rig, cables));
+    }
+
+    fn raise_stiffness(&mut self, other: &[[f64; 6]; 3]) {
+        for (mine, other) in self.stiffness.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
+            *mine = mine.max(*other);
+        }
+    }
+
+    /// A guess at what this becomes in a tube: larger by a quarter of the largest.
+    pub fn enlarged(&self) -> Self {
+        let largest = self.stiffness.as_flattened().iter().fold(0.0_f64, |most, k| most.max(*k));
+        Self {
+            pull: 1.1 * self.pull,
+            shortest: 0.97 * self.shortest,
+            stiffness: self.stiffness.map(|row| row.map(|k| 1.05 * k + 0.05 * largest)),
+        }
+    }
+
+    /// Whether nothing is larger than assumed.
+    pub fn is_within(&self, assumed: &Self) -> bool {
+        let stiffness = self.stiffness.as_flattened().iter().zip(assumed.stiffness.as_flattened());
+        self.pull <= assumed.pull
+            && self.shortest >= assumed.shortest
+            && stiffness.into_iter().all(|(k, most)| k <= most)
+    }
+}
+
+impl Tube {
+    /// The closed form itself.
+    pub fn empty() -> Self {
+        let none = Coordinates::zeros();
+        Self { coordinates: none, rates: none, accelerations: none }
+    }
+}
+
+/// Greatest value of φ: e^(-μt)/M at t = ln(M/μ)/(M - μ).
+fn largest_phi(step: &Step) -> f64 {
+    let (slow, fast) = (step.slow_rate(), step.fast_rate());
+    let peak = if slow == fast { 1.0 / slow } else { ((fast - slow) / slow).ln_1p() / (fast - slow) };
+    (-slow * peak).exp() / fast * UPWARDS
+}
+
+/// Greatest |x - x_d| of each coordinate.
+fn largest_error(step: &Step) -> Coordinates {
+    step.start.minus(&step.set_point).abs() + step.rates.abs() * largest_phi(step)
+}
+
+/// Whether an angle may get half a turn away from its set point, where the law turns back the other way round.
+pub fn reaches_half_turn(step: &Step, tube: &Tube) -> bool {
+    let error = largest_error(step) + tube.coordinates;
+    error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6)
+}
+
+/// The coordinates, rates and accelerations that the law is told, while the cables are within `extent`; `None` where no bound is found.
+///
+/// For a bound D of the accelerations that the model does not know, the motion stays in a tube about the closed form, and in this tube
+/// those accelerations are below G(D). A D with G(D) < D is what is looked for.
+pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent) -> Option<Tube> {
+    let mut bound = Coordinates::zeros();
+    for _ in 0..MOST_BOUNDS {
+        let around = Around::new(rig, step, margins, &bound);
+        let disturbance = around.disturbance(extent)?;
+        if disturbance.iter().zip(&bound).all(|(found, tried)| found < tried || *found == 0.0) {
+            return Some(around.told());
+        }
+        bound = disturbance * GROWTH;
+    }
+    None
+}
+
+/// Bounds of the motion, all of absolute values, while the unknown accelerations are within a bound.
+struct Around<'a> {
+    rig: &'a Rig,
+    step: &'a Step,
+    margins: &'a Margins,
+    /// Distance from the closed form.
+    tube: Tube,
+    /// Rates of the coordinates.
+    rates: Coordinates,
+    /// Accelerations that the law would command at the true state, and those that happen.
+    commanded: Coordinates,
+    actual: Coordinates,
+    /// Age of the state that the tensions were computed from, s.
+    age: f64,
+}
+
+impl<'a> Around<'a> {
+    fn new(rig: &'a Rig, step: &'a Step, margins: &'a Margins, bound: &Coordinates) -> Self {
+        let (sum, product) = (step.gains.lambda + step.gains.eta, step.gains.omega_n_squared());
+        let (phi, error, speed) =
+            (largest_phi(step), step.start.minus(&step.set_point).abs(), step.rates.abs());
+        // ∫φ = 1/(λη), ∫|φ'| = 2 max φ, ∫|φ''| = 1 + 2 Z_M.
+        let tube = Tube {
+            coordinates: bound * (UPWARDS / product),
+            rates: bound * (2.0 * phi * UPWARDS),
+            accelerations: bound * ((1.0 + 2.0 * step.gains.z_m()) * UPWARDS),
+        };
+        let commanded = (error * product + speed * sum) * UPWARDS + tube.accelerations;
+        Self {
+            rig,
+            step,
+            margins,
+            tube,
+            rates: (error * (product * phi) + speed) * UPWARDS + tube.rates,
+            commanded,
+            actual: (commanded + bound) * UPWARDS,
+            age: margins.sample_period + margins.delay,
+        }
+    }
+
+    /// How far the law's accelerations at the state it is told are from those at the true one.
+    fn late(&self) -> Coordinates {
+        let (sum, product) =
+            (self.step.gains.lambda + self.step.gains.eta, self.step.gains.omega_n_squared());
+        (self.rates * product + self.actual * sum) * (self.age * UPWARDS)
+    }
+
+    /// The tube of what the law is told.
+    fn told(&self) -> Tube {
+        Tube {
+            coordinates: (self.tube.coordinates + self.rates * self.age) * UPWARDS,
+            rates: (self.tube.rates + self.actual * self.age) * UPWARDS,
+            accelerations: (self.tube.accelerations + self.late()) * UPWARDS,
+        }
+    }
+
+    /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
+    fn disturbance(&self, extent: &Extent) -> Option<Coordinates> {
+        let Self { rig, margins, age, .. } = *self;
+        let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
+        let (speed, spin) = (linear(&self.rates), angular(&self.rates));
+        let (roll, pitch) = (self.largest_angle(3), self.largest_angle(4));
+        if pitch > 1.5 || extent.shortest <= 0.0 || reaches_half_turn(self.step, &self.told()) {
+            return None;
+        }
+        // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
+        let friction = CABLES as f64 * margins.friction;
+        let force = extent.pull * age * (speed + spin * radius) / extent.shortest + friction;
+        let [dx, dy, dz, d_roll, d_pitch, d_yaw]: [f64; 6] = self.rates.into();
+        let twist = [dx, dy, dz, d_roll + pitch * d_yaw, d_pitch + roll * d_yaw, d_yaw + roll * d_pitch];
+        let turned = |k: usize| (0..6).map(|j| extent.stiffness[k][j] * twist[j]).sum::<f64>() * age;
+        let torque = Vector3::from_fn(|k, _| turned(k) + radius * friction);
+
+        let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
+        let alpha = angular(&self.actual) + spin * spin;
+        let weight = self.commanded + Coordinates::z() * rig.g;
+        let push = late + weight * margins.mass + Coordinates::repeat((force + margins.force) / rig.mass);
+        let swing = margins.centre_of_mass * (alpha + spin * spin);
+        let position = push * known + Coordinates::repeat(swing);
+
+        let pull = rig.mass * (linear(&weight) + linear(&late)) + force;
+        let largest = rig.inertia.max();
+        let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
+        let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque;
+        let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
+        let told = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
+        let body = Vector3::from_fn(|k, _| known * (told + (torque[k] + outer) / rig.inertia[k]));
+        // From angular accelerations about the platform's axes to those of the angles.
+        let across = roll * body.y + body.z;
+        let angles = [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()];
+        let [x, y, z] = [position.x, position.y, position.z];
+        Some(Coordinates::new(x, y, z, angles[0], angles[1], angles[2]) * UPWARDS)
+    }
+
+    /// Largest absolute value of an angle that the motion or what the law is told of it takes, at least its sine; rad.
+    fn largest_angle(&self, k: usize) -> f64 {
+        let goal = self.step.set_point.0[k];
+        let from = goal + self.step.start.minus(&self.step.set_point)[k];
+        let swing = self.step.rates[k].abs() * largest_phi(self.step);
+        goal.abs().max(from.abs()) + swing + self.told().coordinates[k]
+    }
+}
+
+/// Of x, y, z together.
+fn linear(q: &Coordinates) -> f64 {
+    q.fixed_rows::<3>(0).norm()
+}
+
+/// Of roll, pitch and yaw together: each turns the platform about an axis of its own.
+fn angular(q: &Coordinates) -> f64 {
+    q.fixed_rows::<3>(3).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{Gains, Response};
+    use crate::robot::{Pose, RobotParameters, TensionLimits};
+
+    fn step(lambda: f64, eta: f64) -> Step {
+        let gains = Gains { lambda, eta };
+        Step {
+            start: Pose::default(),
+            rates: Coordinates::zeros(),
+            set_point: Pose::at(0.05, 0.0, 1.0),
+            gains,
+        }
+    }
+
+    /// ∫|φ|, ∫|φ'| and ∫|φ''| by the midpoint rule: what the worst disturbance of size 1 does to x, x' and the command.
+    #[test]
+    fn the_tube_is_what_the_worst_disturbance_does() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        for (lambda, eta) in [(3.0, 3.0), (2.0, 5.0), (8.0, 1.0)] {
+            let step = step(lambda, eta);
+            let h = 1e-3;
+            let mut worst = [0.0; 3];
+            for k in 0..20_000 {
+                let phi = Response::at(&step.gains, (f64::from(k) + 0.5) * h).motion(0.0, 1.0, 0.0);
+                for d in 0..3 {
+                    worst[d] += phi[d].abs() * h;
+                }
+            }
+            let one = Coordinates::repeat(1.0);
+            let tube = Around::new(&rig, &step, &Margins::default(), &one).tube;
+            for (bound, worst) in [tube.coordinates, tube.rates, tube.accelerations].iter().zip(worst) {
+                assert!((bound[0] - worst).abs() < 1e-4 * worst, "{} is not {worst}", bound[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_alone_moves_the_robot_by_force_over_stiffness() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let margins = Margins { force: 0.6, ..Margins::default() };
+        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        let tube = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
+        let expected = 0.6 / 6.0 / 9.0;
+        assert!(tube.coordinates[2] >= expected && tube.coordinates[2] < 1.05 * expected, "{tube:?}");
+        assert_eq!(tube.coordinates[4], 0.0);
+    }
+
+    #[test]
+    fn what_the_loop_cannot_stand_has_no_tube() {
+        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let margins = Margins { delay: 0.2, ..Margins::default() };
+        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        assert_eq!(tube(&rig, &step(3.0, 3.0), &margins, &extent), None);
+    }
+}

@@ -1,0 +1,230 @@
+//! A proof, for any rig of six cables and any step in all six coordinates, that no tension leaves its limits on the way.
+//!
+//! The motion under the law (4) is known in closed form, so the tensions are known functions of time. They are enclosed, rounding
+//! included, over a few spans that cover all time from the step on. `docs/certificate.md` derives the method.
+
+pub mod margins;
+pub mod motion;
+pub mod search;
+pub mod statics;
+pub mod taylor;
+
+use thiserror::Error;
+
+pub use margins::Margins;
+pub use motion::Step;
+
+use crate::robot::{CABLES, Rig, TensionLimits};
+use margins::{Extent, Tube};
+use statics::Cables;
+
+/// What is known of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Proved: every tension stays strictly within the limits, and between these bounds (N), for ever.
+    Admissible {
+        /// A lower bound of all tensions, N.
+        least: f64,
+        /// An upper bound of all tensions, N.
+        greatest: f64,
+    },
+    /// Proved: a tension is at or beyond a limit.
+    NotAdmissible {
+        /// Number of the cable, from 1.
+        cable: usize,
+        /// When, s after the step.
+        time: f64,
+        /// Its tension then, N.
+        tension: f64,
+    },
+    /// Neither could be proved.
+    Undecided {
+        /// About when the doubt stands, s after the step.
+        time: f64,
+        /// Length of the span that was looked at last, s: 0 at an instant, infinite for all time from then on.
+        resolution: f64,
+        /// Why.
+        cause: Cause,
+    },
+}
+
+/// Why nothing could be proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The wrench matrix is singular, or nearly so.
+    Singular,
+    /// A tension touches its limit, or comes nearer to it than rounding or the margins allow to tell.
+    TooClose,
+    /// An angle may get half a turn away from its set point, where the law turns back the other way round.
+    HalfTurn,
+}
+
+/// A question that makes no sense.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CertificateError {
+    /// The certificate solves for exactly six tensions.
+    #[error("the rig has {anchors} anchors and {attachments} attachments: the certificate needs 6 of each")]
+    Cables {
+        /// Anchors given.
+        anchors: usize,
+        /// Attachments given.
+        attachments: usize,
+    },
+    /// A number is out of range.
+    #[error("{name} = {value} is not allowed: {allowed}")]
+    Value {
+        /// What the number is.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What would be right, in words.
+        allowed: &'static str,
+    },
+}
+
+/// Decides whether the whole motion from `step` keeps every tension u within u_min < u < u_max.
+///
+/// # Errors
+/// [`CertificateError`] for a rig that does not have six cables and for numbers that make no sense.
+pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
+    check(rig, step)?;
+    let mut range = Range::none();
+    Ok(closed_form(rig, step, |cables| range.include(cables)).map_or_else(|no| no, |()| range.admissible()))
+}
+
+/// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
+/// at rest before the step, or in a motion no faster than the one that follows.
+///
+/// "Not admissible" is proved of the closed form. Where that is admissible and the margins take too much, the answer is "undecided".
+///
+/// # Errors
+/// As [`certify`], and for margins that make no sense.
+pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
+    check(rig, step)?;
+    check_margins(margins)?;
+    Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
+}
+
+fn closed_form(rig: &Rig, step: &Step, inside: impl FnMut(&Cables)) -> Result<(), Verdict> {
+    if margins::reaches_half_turn(step, &Tube::empty()) {
+        return Err(undecided_at_large(Cause::HalfTurn));
+    }
+    search::walk(rig, step, &Tube::empty(), &rig.limits, inside)
+}
+
+/// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
+fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
+    let friction = margins.friction;
+    let limits = TensionLimits { min: rig.limits.min + friction, max: rig.limits.max - friction };
+    let mut extent = Extent::none();
+    closed_form(rig, step, |cables| extent.include(rig, cables))?;
+    for _ in 0..MOST_GUESSES {
+        let guess = extent.enlarged();
+        let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
+        let mut range = Range::none();
+        extent = Extent::none();
+        let inside = |cables: &Cables| {
+            range.include(cables);
+            extent.include(rig, cables);
+        };
+        search::walk(rig, step, &tube, &limits, inside).map_err(Verdict::of_a_tube)?;
+        if extent.is_within(&guess) {
+            return Ok(Range { least: range.least - friction, greatest: range.greatest + friction });
+        }
+    }
+    Err(undecided_at_large(Cause::TooClose))
+}
+
+/// Guesses at what the cables come to in the tube.
+const MOST_GUESSES: usize = 5;
+
+/// Bounds of the tensions seen, N.
+struct Range {
+    least: f64,
+    greatest: f64,
+}
+
+impl Range {
+    fn none() -> Self {
+        Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY }
+    }
+
+    fn include(&mut self, cables: &Cables) {
+        for [least, greatest] in cables.tension.map(|tension| tension.range()) {
+            self.least = self.least.min(least);
+            self.greatest = self.greatest.max(greatest);
+        }
+    }
+
+    fn admissible(&self) -> Verdict {
+        Verdict::Admissible { least: self.least, greatest: self.greatest }
+    }
+}
+
+impl Verdict {
+    /// That all motions in a tube leave the limits does not say which of them happens.
+    fn of_a_tube(self) -> Self {
+        match self {
+            Self::NotAdmissible { time, .. } => {
+                Self::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
+            }
+            other => other,
+        }
+    }
+}
+
+fn undecided_at_large(cause: Cause) -> Verdict {
+    Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause }
+}
+
+fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
+    let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());
+    if (anchors, attachments) != (CABLES, CABLES) {
+        return Err(CertificateError::Cables { anchors, attachments });
+    }
+    let finite = |name, values: &[f64]| {
+        values.iter().try_for_each(|v| require(v.is_finite(), name, *v, "must be finite"))
+    };
+    let positive = |name, value: f64| {
+        require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
+    };
+    for i in 0..CABLES {
+        finite("a coordinate of an anchor", rig.anchors[i].as_slice())?;
+        finite("a coordinate of an attachment", rig.attachments[i].as_slice())?;
+    }
+    positive("mass", rig.mass)?;
+    rig.inertia.iter().try_for_each(|moment| positive("inertia", *moment))?;
+    require(rig.g.is_finite() && rig.g >= 0.0, "g", rig.g, "must be finite and 0 or greater")?;
+    require(rig.limits.min >= 0.0, "limits.min", rig.limits.min, "a cable cannot push: 0 or greater")?;
+    require(
+        rig.limits.max > rig.limits.min,
+        "limits.max",
+        rig.limits.max,
+        "must be greater than limits.min",
+    )?;
+    finite("a coordinate of the start", step.start.0.as_slice())?;
+    finite("a rate of the start", step.rates.as_slice())?;
+    finite("a coordinate of the set point", step.set_point.0.as_slice())?;
+    positive("lambda", step.gains.lambda)?;
+    positive("eta", step.gains.eta)
+}
+
+fn check_margins(margins: &Margins) -> Result<(), CertificateError> {
+    require(margins.mass < 1.0, "margins.mass", margins.mass, "a relative error below 1")?;
+    for (name, value) in [
+        ("margins.mass", margins.mass),
+        ("margins.centre_of_mass", margins.centre_of_mass),
+        ("margins.force", margins.force),
+        ("margins.torque", margins.torque),
+        ("margins.friction", margins.friction),
+        ("margins.sample_period", margins.sample_period),
+        ("margins.delay", margins.delay),
+    ] {
+        require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
+    }
+    Ok(())
+}
+
+fn require(ok: bool, name: &'static str, value: f64, allowed: &'static str) -> Result<(), CertificateError> {
+    if ok { Ok(()) } else { Err(CertificateError::Value { name, value, allowed }) }
+}

@@ -1,0 +1,122 @@
+//! The walk along the motion, span by span, until a verdict is proved.
+
+use super::margins::Tube;
+use super::motion::{Span, Step};
+use super::statics::{Cables, cables};
+use super::{Cause, Verdict};
+use crate::robot::{Rig, TensionLimits};
+
+/// First span, in time constants of the faster gain.
+const FIRST: f64 = 0.5;
+/// Spans shorter than this many time constants of the faster gain are not cut again.
+const SHORTEST: f64 = 1e-9;
+/// Time constants of the slower gain after which the robot is looked at as arrived, in one span without end,
+const ARRIVED: f64 = 40.0;
+/// and after which that is tried for the first time; later when it fails.
+const FIRST_ARRIVAL: f64 = 4.0;
+/// Spans looked at before giving up; a case takes ten or twenty.
+const MOST_SPANS: usize = 4000;
+
+/// What one span shows.
+enum Finding {
+    /// All tensions within the limits.
+    Inside,
+    /// A tension wholly beyond a limit, this at the time where it is farthest.
+    Beyond { cable: usize, time: f64, tension: f64 },
+    /// A tension that may be beyond, most of all at this time.
+    Perhaps { time: f64 },
+    /// No tensions can be told.
+    Singular,
+}
+
+/// Shows that all motions in `tube` keep strictly within `limits`, or else gives the verdict why not. `inside` is shown the cables over
+/// spans that cover all time.
+///
+/// # Errors
+/// A [`Verdict`] that is not "admissible". "Not admissible" speaks of all motions in the tube.
+pub fn walk(
+    rig: &Rig,
+    step: &Step,
+    tube: &Tube,
+    limits: &TensionLimits,
+    mut inside: impl FnMut(&Cables),
+) -> Result<(), Verdict> {
+    let mut look = |span| match cables(rig, &step.motion(span, tube)) {
+        Some(cables) => match judge(&cables, limits, span) {
+            Some(finding) => finding,
+            None => {
+                inside(&cables);
+                Finding::Inside
+            }
+        },
+        None => Finding::Singular,
+    };
+    let end = ARRIVED / step.slow_rate();
+    let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
+    let refusal = |at_instant: Finding, instant| match at_instant {
+        Finding::Inside => None,
+        Finding::Beyond { cable, time, tension } => Some(Verdict::NotAdmissible { cable, time, tension }),
+        Finding::Perhaps { time } => Some(undecided(time, 0.0, Cause::TooClose)),
+        Finding::Singular => Some(undecided(instant, 0.0, Cause::Singular)),
+    };
+    if !matches!(look(Span::From(end)), Finding::Inside) {
+        let at_end = look(Span::Between(end, end));
+        return Err(refusal(at_end, end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)));
+    }
+    let mut arrival = FIRST_ARRIVAL / step.slow_rate();
+    let (mut time, mut width) = (0.0, FIRST / step.fast_rate());
+    for _ in 0..MOST_SPANS {
+        if time >= end {
+            return Ok(());
+        }
+        if time >= arrival {
+            if matches!(look(Span::From(time)), Finding::Inside) {
+                return Ok(());
+            }
+            arrival = 1.5 * time;
+        }
+        let doubtful = match look(Span::Between(time, time + width)) {
+            Finding::Inside => {
+                time += width;
+                width *= 2.0;
+                continue;
+            }
+            Finding::Beyond { time, .. } | Finding::Perhaps { time } => time,
+            Finding::Singular => time + 0.5 * width,
+        };
+        // Cutting the span helps only if that very time is free of doubt.
+        if let Some(verdict) = refusal(look(Span::Between(doubtful, doubtful)), doubtful) {
+            return Err(verdict);
+        }
+        width *= 0.5;
+        if width * step.fast_rate() < SHORTEST {
+            return Err(undecided(doubtful, width, Cause::Singular));
+        }
+    }
+    Err(undecided(time, width, Cause::TooClose))
+}
+
+/// The worst of the six tensions; `None` where all are within the limits.
+fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Option<Finding> {
+    let mut worst = 0.0;
+    let mut finding = None;
+    for (i, tension) in cables.tension.iter().enumerate() {
+        let [least, greatest] = tension.range();
+        if least > limits.min && greatest < limits.max {
+            continue;
+        }
+        let (below, above) = (limits.min - least, greatest - limits.max);
+        if finding.is_none() || below.max(above) > worst {
+            worst = below.max(above);
+            let time = span.time(tension.extremes()[usize::from(above > below)]);
+            let beyond = greatest <= limits.min || least >= limits.max;
+            let tension = 0.5 * (least + greatest);
+            finding = Some(if beyond {
+                Finding::Beyond { cable: i + 1, time, tension }
+            } else {
+                Finding::Perhaps { time }
+            });
+        }
+    }
+    finding
+}

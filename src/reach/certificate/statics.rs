@@ -1,0 +1,315 @@
+//! Eq. (1) over a span of time: the wrench matrix, the wrench and, proved, the tensions between them.
+//!
+//! All in the platform's frame, where attachments and inertia are constant.
+
+use nalgebra::{Matrix6, Vector3};
+
+use super::motion::Motion;
+use super::taylor::{ORDER, Taylor, combination};
+use crate::robot::{CABLES, PerCable, Rig};
+
+type Vector = [Taylor; 3];
+
+/// The cables over a span of time.
+pub struct Cables {
+    /// Tensions, N.
+    pub tension: PerCable<Taylor>,
+    /// Lengths, m.
+    pub length: PerCable<Taylor>,
+    /// From attachment to anchor, m, in the platform's frame.
+    along: [Vector; CABLES],
+    orientation: Orientation,
+}
+
+/// The cables over the span of `motion`; `None` where the wrench matrix is singular or too near to it to tell.
+///
+/// The columns of the matrix are taken `length` times too long, which makes them linear in R and the position: what is solved for is
+/// tension over length.
+pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
+    let orientation = Orientation::new(motion);
+    let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
+    let mut length = [Taylor::ZERO; CABLES];
+    let mut all_along = [[Taylor::ZERO; 3]; CABLES];
+    let mut matrix = [[Taylor::ZERO; CABLES]; 6];
+    for i in 0..CABLES {
+        let attachment = &rig.attachments[i];
+        let anchor = orientation.turned_to_platform(&rig.anchors[i]);
+        let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
+        let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
+        length[i] = norm(&along)?;
+        all_along[i] = along;
+        let torque = arm_cross(attachment, &from_centre);
+        for k in 0..3 {
+            matrix[k][i] = along[k];
+            matrix[k + 3][i] = torque[k];
+        }
+    }
+    let per_length = solve(&matrix, &required_wrench(rig, motion, &orientation))?;
+    let tension = std::array::from_fn(|i| per_length[i] * length[i]);
+    Some(Cables { tension, length, along: all_along, orientation })
+}
+
+/// Bounds of how much the torque of the cables about the platform's axes changes when it moves while the tensions are held:
+/// N m a metre along x, y, z of the base, N m a radian about the platform's axes.
+///
+/// A cable that runs along v, of length l, pulls u v/l; moved by v' it pulls u/l (v' - v (v·v')/l²) more.
+pub fn stiffness(rig: &Rig, cables: &Cables) -> [[f64; 6]; 3] {
+    let mut torque = [[Taylor::ZERO; 3]; 6];
+    for i in 0..CABLES {
+        let (v, attachment) = (&cables.along[i], &rig.attachments[i]);
+        let inverse_length = cables.length[i].inverse();
+        let (per_length, per_square) = (cables.tension[i] * inverse_length, inverse_length * inverse_length);
+        for j in 0..6 {
+            let moved =
+                if j < 3 { cables.orientation.rotation[j].map(|r| -r) } else { turned(v, attachment, j - 3) };
+            let along = (v[0] * moved[0] + v[1] * moved[1] + v[2] * moved[2]) * per_square;
+            let change: Vector = std::array::from_fn(|k| (moved[k] - v[k] * along) * per_length);
+            let by_cable = arm_cross(attachment, &change);
+            torque[j] = std::array::from_fn(|k| torque[j][k] + by_cable[k]);
+        }
+    }
+    let bound = |size: f64| if size.is_nan() { f64::INFINITY } else { size };
+    std::array::from_fn(|k| std::array::from_fn(|j| bound(torque[j][k].size())))
+}
+
+/// How the way from attachment to anchor changes a radian of the platform's turn about its own axis: -(axis × from the centre).
+fn turned(along: &Vector, attachment: &Vector3<f64>, axis: usize) -> Vector {
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    let from_centre = |k: usize| along[k] + Taylor::constant(attachment[k]);
+    let mut change = [Taylor::ZERO; 3];
+    change[next] = from_centre(last);
+    change[last] = -from_centre(next);
+    change
+}
+
+/// Sines and cosines of the angles and R = Rz(yaw) Ry(pitch) Rx(roll).
+struct Orientation {
+    roll: (Taylor, Taylor),
+    pitch: (Taylor, Taylor),
+    /// Rows of R.
+    rotation: [Vector; 3],
+}
+
+impl Orientation {
+    fn new(motion: &Motion) -> Self {
+        let [roll, pitch, yaw] = [3, 4, 5].map(|k| motion.coordinates[k].sin_cos());
+        let ((sr, cr), (sp, cp), (sy, cy)) = (roll, pitch, yaw);
+        let (sp_sr, sp_cr) = (sp * sr, sp * cr);
+        let rotation = [
+            [cy * cp, cy * sp_sr - sy * cr, cy * sp_cr + sy * sr],
+            [sy * cp, sy * sp_sr + cy * cr, sy * sp_cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self { roll, pitch, rotation }
+    }
+
+    /// Rᵀ v.
+    fn to_platform(&self, v: &Vector) -> Vector {
+        let r = &self.rotation;
+        std::array::from_fn(|k| r[0][k] * v[0] + r[1][k] * v[1] + r[2][k] * v[2])
+    }
+
+    /// Rᵀ v of a vector that does not move.
+    fn turned_to_platform(&self, v: &Vector3<f64>) -> Vector {
+        let r = &self.rotation;
+        std::array::from_fn(|k| combination([v.x, v.y, v.z], [&r[0][k], &r[1][k], &r[2][k]]))
+    }
+
+    /// Angular velocity and acceleration in the platform's frame.
+    fn spin(&self, motion: &Motion) -> (Vector, Vector) {
+        let ((sr, cr), (sp, cp)) = (self.roll, self.pitch);
+        let [roll, pitch, yaw] = [3, 4, 5].map(|k| motion.rates[k]);
+        let [dd_roll, dd_pitch, dd_yaw] = [3, 4, 5].map(|k| motion.accelerations[k]);
+        let (level, d_level) = (yaw * cp, dd_yaw * cp - yaw * pitch * sp); // yaw' cos(pitch) and its derivative
+        let omega = [roll - yaw * sp, pitch * cr + level * sr, level * cr - pitch * sr];
+        let alpha = [
+            dd_roll - dd_yaw * sp - yaw * pitch * cp,
+            dd_pitch * cr + d_level * sr + roll * omega[2],
+            d_level * cr - dd_pitch * sr - roll * omega[1],
+        ];
+        (omega, alpha)
+    }
+}
+
+/// Left side of Eq. (1), force and torque in the platform's frame.
+fn required_wrench(rig: &Rig, motion: &Motion, orientation: &Orientation) -> [Taylor; 6] {
+    let [x, y, z] = [0, 1, 2].map(|k| motion.accelerations[k]);
+    let force = orientation.to_platform(&[x, y, z + Taylor::constant(-rig.g)]);
+    let (omega, alpha) = orientation.spin(motion);
+    let moment: [f64; 3] = rig.inertia.into();
+    let torque: Vector = std::array::from_fn(|k| {
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        // Euler's equations about principal axes; the difference of the moments is rounded once.
+        let coupling =
+            Taylor::ball(moment[last] - moment[next], f64::EPSILON * (moment[last] + moment[next]));
+        alpha[k] * moment[k] + omega[next] * omega[last] * coupling
+    });
+    let [fx, fy, fz] = force.map(|component| component * rig.mass);
+    [fx, fy, fz, torque[0], torque[1], torque[2]]
+}
+
+fn arm_cross(arm: &Vector3<f64>, v: &Vector) -> Vector {
+    [
+        combination([arm.y, -arm.z], [&v[2], &v[1]]),
+        combination([arm.z, -arm.x], [&v[0], &v[2]]),
+        combination([arm.x, -arm.y], [&v[1], &v[0]]),
+    ]
+}
+
+fn norm(v: &Vector) -> Option<Taylor> {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+/// All u with W u = w for some W of `matrix` and w of `wrench`.
+///
+/// With C near the inverse of W in the middle, A = C W is near 1 and A u = b = C w. A polynomial û that solves this to the order kept
+/// leaves r = b - A û, and u - û = r + (1 - A)(u - û). Where ρ = ‖1 - A‖∞ < 1, A is regular and |u - û| ≤ ‖r‖∞/(1 - ρ); once more
+/// through the same equation gives each component its own bound.
+fn solve(matrix: &[[Taylor; CABLES]; 6], wrench: &[Taylor; 6]) -> Option<PerCable<Taylor>> {
+    let inverse = Matrix6::from_fn(|row, column| matrix[row][column].coefficients[0]).try_inverse()?;
+    let row = |k: usize| std::array::from_fn(|j| inverse[(k, j)]);
+    let a: [[Taylor; 6]; 6] = std::array::from_fn(|k| {
+        std::array::from_fn(|i| combination::<6>(row(k), std::array::from_fn(|j| &matrix[j][i])))
+    });
+    let b: [Taylor; 6] =
+        std::array::from_fn(|k| combination::<6>(row(k), std::array::from_fn(|j| &wrench[j])));
+    let near = series(&a, &b);
+    let distance: [f64; 6] = std::array::from_fn(|k| {
+        let one = Taylor::constant(1.0);
+        (0..6).map(|i| if i == k { (one - a[k][i]).size() } else { a[k][i].size() }).sum::<f64>() * ROUND_UP
+    });
+    let residual: [f64; 6] =
+        std::array::from_fn(|k| (0..6).fold(b[k], |left, i| left - a[k][i] * near[i]).size());
+    let rho = greatest(&distance);
+    if rho.is_nan() || rho >= 1.0 - 1e-9 {
+        return None;
+    }
+    let apart = greatest(&residual) / (1.0 - rho) * ROUND_UP;
+    Some(std::array::from_fn(|k| near[k].widened((residual[k] + distance[k] * apart) * ROUND_UP)))
+}
+
+/// What makes a bound got from a few rounded operations an upper bound again; 1 - ρ loses up to 1e-7 where ρ is near 1.
+const ROUND_UP: f64 = 1.0 + 1e-6;
+
+/// NaN if there is one.
+fn greatest(values: &[f64; 6]) -> f64 {
+    if values.iter().any(|value| value.is_nan()) {
+        f64::NAN
+    } else {
+        values.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// The polynomials that solve A u = b power by power, taking A's constant part for 1.
+fn series(a: &[[Taylor; 6]; 6], b: &[Taylor; 6]) -> [Taylor; 6] {
+    let mut u = [Taylor::ZERO; 6];
+    for order in 0..ORDER {
+        for k in 0..6 {
+            let mut term = b[k].coefficients[order];
+            for i in 0..6 {
+                for j in 1..=order {
+                    term -= a[k][i].coefficients[j] * u[i].coefficients[order - j];
+                }
+            }
+            u[k].coefficients[order] = term;
+        }
+    }
+    u
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Gains;
+    use crate::reach::certificate::margins::Tube;
+    use crate::reach::certificate::motion::{Span, Step};
+    use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits, tensions};
+    use nalgebra::Rotation3;
+
+    const STEP: Step = Step {
+        start: Pose(Coordinates::new(0.05, -0.1, 1.1, 0.1, -0.2, 0.3)),
+        rates: Coordinates::new(0.1, 0.2, -0.1, 0.4, -0.3, 0.5),
+        set_point: Pose(Coordinates::new(0.0, 0.1, 0.9, -0.1, 0.1, -0.2)),
+        gains: Gains { lambda: 2.0, eta: 4.0 },
+    };
+
+    fn paper() -> (RobotParameters, Rig) {
+        let robot = RobotParameters::default();
+        (robot, Rig::triangular(&robot, TensionLimits { min: 0.0, max: 100.0 }))
+    }
+
+    /// In the middle of a span.
+    fn middle(numbers: &[Taylor; 6]) -> Coordinates {
+        Coordinates::from_fn(|k, _| numbers[k].coefficients[0])
+    }
+
+    #[test]
+    fn tensions_are_those_of_the_inverse_dynamics() {
+        let (robot, rig) = paper();
+        let geometry = Geometry::new(&robot);
+        for k in 0..50 {
+            let time = 0.05 * f64::from(k);
+            let motion = STEP.motion(Span::Between(time, time), &Tube::empty());
+            let found = cables(&rig, &motion).unwrap();
+            let at = |of| middle(of);
+            let [q, dq, ddq] = [at(&motion.coordinates), at(&motion.rates), at(&motion.accelerations)];
+            let expected = tensions(&robot, &geometry, &Pose(q), &dq, &ddq).unwrap();
+            for i in 0..CABLES {
+                let [low, high] = found.tension[i].range();
+                assert!(
+                    high - low < 1e-9 && (expected[i] - low).abs() < 1e-9,
+                    "{} is not {}",
+                    low,
+                    expected[i]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_span_encloses_its_instants_with_an_error_of_high_order() {
+        let (_, rig) = paper();
+        let over =
+            |width: f64| cables(&rig, &STEP.motion(Span::Between(0.2, 0.2 + width), &Tube::empty())).unwrap();
+        let span = over(0.1);
+        for k in 0..=20 {
+            let at = 0.2 + 0.005 * f64::from(k);
+            let instant = cables(&rig, &STEP.motion(Span::Between(at, at), &Tube::empty())).unwrap();
+            for i in 0..CABLES {
+                let ([low, high], [l, h]) = (span.tension[i].range(), instant.tension[i].range());
+                assert!(low <= l && h <= high);
+            }
+        }
+        assert!(span.tension[0].error < 1e-2 && over(0.05).tension[0].error < span.tension[0].error / 40.0);
+    }
+
+    #[test]
+    fn stiffness_is_the_change_of_the_torque() {
+        let (robot, rig) = paper();
+        let geometry = Geometry::new(&robot);
+        let motion = STEP.motion(Span::Between(0.3, 0.3), &Tube::empty());
+        let found = cables(&rig, &motion).unwrap();
+        let tension = found.tension.map(|u| u.coefficients[0]);
+        let pose = Pose(middle(&motion.coordinates));
+        let torque = |moved: &Vector3<f64>, turn: &Vector3<f64>| {
+            let rotation = pose.rotation() * Rotation3::from_scaled_axis(*turn);
+            rotation.inverse() * geometry.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
+        };
+        let bounds = stiffness(&rig, &found);
+        for j in 0..6 {
+            let step = |h: f64| {
+                let axis = Vector3::from_fn(|k, _| if k == j % 3 { h } else { 0.0 });
+                if j < 3 { torque(&axis, &Vector3::zeros()) } else { torque(&Vector3::zeros(), &axis) }
+            };
+            let change = (step(1e-5) - step(-1e-5)) / 2e-5;
+            for k in 0..3 {
+                assert!(
+                    (bounds[k][j] - change[k].abs()).abs() < 1e-6,
+                    "{k} {j}: {} {}",
+                    bounds[k][j],
+                    change[k]
+                );
+            }
+        }
+    }
+}
