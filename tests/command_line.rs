@@ -278,3 +278,20 @@ fn what_the_page_shows_is_what_the_program_prints() {
         assert_eq!(String::from_utf8(output.stdout).unwrap(), expected, "{command}");
     }
 }
+
+#[test]
+fn certify_proves_a_step_in_all_six_coordinates_and_names_what_breaks_another() {
+    let proved = json(0, &["certify", "--from", "0,0,1", "--to", "0.1,0.05,0.9,0.05,0,0.1"]);
+    assert_eq!(proved["verdict"], "admissible");
+    assert!(number(&proved["least"]) > 0.0);
+    let refused = json(3, &["certify", "--from", "0,0,1", "--to", "0.3,0,1"]);
+    assert_eq!((refused["verdict"].as_str(), refused["cable"].as_u64()), (Some("not admissible"), Some(6)));
+    let margins = json(
+        0,
+        &["certify", "--from", "0,0,1", "--to", "0.1,0,1", "--mass-error", "0.005", "--force", "0.2"],
+    );
+    let exact = json(0, &["certify", "--from", "0,0,1", "--to", "0.1,0,1"]);
+    assert!(number(&margins["least"]) < number(&exact["least"]));
+    let (_, err) = written(1, &["certify", "--from", "0,0,1", "--to", "0.1,0,1", "--rig", "rigs/eight.toml"]);
+    assert!(err.contains("needs 6"), "{err}");
+}

@@ -30,6 +30,15 @@ pub fn angles(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| format!("{count} numbers given; an orientation is roll,pitch,yaw (rad)"))
 }
 
+/// Reads the rates of the six coordinates.
+pub fn rates(text: &str) -> Result<Coordinates, String> {
+    let numbers = numbers(text)?;
+    let count = numbers.len();
+    let rates: [f64; 6] =
+        numbers.try_into().map_err(|_| format!("{count} numbers given; rates are six (m/s, rad/s)"))?;
+    Ok(rates.into())
+}
+
 /// Reads a finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("{text:?} is not a number"))?;

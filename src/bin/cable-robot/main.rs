@@ -1,6 +1,7 @@
 //! `cable-robot`: workspaces, reachable domains, plans and simulations from the command line.
 
 mod arguments;
+mod certify;
 mod picture;
 mod plan;
 mod reach;
@@ -16,7 +17,7 @@ use clap::{Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
 Frame: origin at the centre of the base plane, z down; metres, radians, newtons.
-Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable.";
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable or step not proved.";
 
 /// Cable robot that never lets a cable go slack: static workspace, reachable domains, plans, simulations
 #[derive(Parser)]
@@ -40,6 +41,9 @@ enum Task {
     /// Controller and plant in a closed loop, as CSV
     #[command(after_help = simulate::EXAMPLE)]
     Simulate(simulate::Simulate),
+    /// A proof that one step, in all six coordinates, keeps every tension within its limits
+    #[command(after_help = certify::EXAMPLE)]
+    Certify(certify::Certify),
     /// Studies that back what is claimed about the reachable domains
     #[command(subcommand)]
     Study(study::Study),
@@ -58,6 +62,7 @@ fn main() -> ExitCode {
         Task::Reach(task) => task.run(),
         Task::Plan(task) => task.run(),
         Task::Simulate(task) => task.run(),
+        Task::Certify(task) => task.run(),
         Task::Study(task) => task.run(),
     };
     match result {
