@@ -271,7 +271,7 @@ fn what_the_page_shows_is_what_the_program_prints() {
     let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
     let shown: Vec<_> =
         page.split("```").filter_map(|block| block.strip_prefix("\n$ cable-robot ")).collect();
-    assert_eq!(shown.len(), 3);
+    assert_eq!(shown.len(), 4);
     for block in shown {
         let (command, expected) = block.split_once('\n').unwrap();
         let output = run(&command.split_whitespace().collect::<Vec<_>>());
