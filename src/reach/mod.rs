@@ -1,4 +1,5 @@
-//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15).
+//! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15), and a
+//! certificate for any rig and any step.
 
 pub mod bounded;
 pub mod certificate;
