@@ -10,9 +10,12 @@ use cable_robot::cosim::{Fmu, Instance};
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
+use cable_robot::reach::certificate::{Step, certify};
 use cable_robot::reach::exact::NEVER_SLACK;
 use cable_robot::reach::{BoundedDomain, ExactDomain};
-use cable_robot::robot::{Geometry, Pose, RobotParameters, forward_kinematics};
+use cable_robot::robot::{
+    Coordinates, Geometry, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
+};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Vector2, Vector3};
@@ -108,6 +111,12 @@ fn exact(c: &mut Criterion) {
     c.bench_function("exact test from rest", |b| b.iter(|| at_rest.contains(black_box(&goal))));
     c.bench_function("exact test from a velocity", |b| b.iter(|| moving.contains(black_box(&goal))));
     c.bench_function("exact ray from rest", |b| b.iter(|| at_rest.ray(black_box(&(goal - from)))));
+    let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+    let step = |set_point| Step { start: Pose::default(), rates: Coordinates::zeros(), set_point, gains };
+    let near = step(Pose(Coordinates::new(0.05, 0.02, 0.95, 0.02, 0.0, 0.05)));
+    let far = step(Pose::at(0.3, 0.0, 1.0));
+    c.bench_function("certificate, admissible step", |b| b.iter(|| certify(&rig, black_box(&near)).unwrap()));
+    c.bench_function("certificate, refused step", |b| b.iter(|| certify(&rig, black_box(&far)).unwrap()));
     c.bench_function("exact farthest from a velocity", |b| {
         b.iter(|| moving.farthest(&from, black_box(&goal)))
     });

@@ -12,7 +12,7 @@
 //! |---|---|---|
 //! | II | [`robot`] | parameters, geometry, inverse and forward kinematics, dynamics (1); rigs with any cables, from files |
 //! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), velocity estimate, force loop |
-//! | IV | [`reach`] | static workspace (16), bounded reachable domain (15) |
+//! | IV | [`reach`] | static workspace (16), bounded reachable domain (15), exact domain, certificate |
 //! | V | [`plan`] | set points (17), the flow of Fig. 4, the controller as one struct |
 //! | VI | [`sim`] | the plant and its integrator |
 //! | | [`fmi`] | the C boundary: one library, two models, FMI 2.0 and 3.0 |

@@ -77,7 +77,7 @@ impl Extent {
         }
     }
 
-    /// A guess at what this becomes in a tube: larger by a quarter of the largest.
+    /// A guess at what this becomes in a tube.
     pub fn enlarged(&self) -> Self {
         let largest = self.stiffness.as_flattened().iter().fold(0.0_f64, |most, k| most.max(*k));
         Self {

@@ -42,7 +42,7 @@ impl Span {
     /// The time at τ in [-1, 1]; the beginning of a span without end.
     pub fn time(&self, tau: f64) -> f64 {
         match *self {
-            Self::Between(from, to) => (0.5 * (from + to) + 0.5 * (to - from) * tau).clamp(from, to),
+            Self::Between(from, to) => (0.5 * (from + to) + 0.5 * (to - from) * tau).max(from).min(to),
             Self::From(from) => from,
         }
     }

@@ -15,7 +15,7 @@ const ARRIVED: f64 = 40.0;
 /// and after which that is tried for the first time; later when it fails.
 const FIRST_ARRIVAL: f64 = 4.0;
 /// Spans looked at before giving up; a case takes ten or twenty.
-const MOST_SPANS: usize = 4000;
+const MOST_SPANS: usize = 400;
 
 /// What one span shows.
 enum Finding {

@@ -14,7 +14,7 @@ const UNDERFLOW: f64 = 1e-290;
 /// Relative error granted to the platform's exp, expm1, sin and cos: 4 units in the last place.
 pub const LIBRARY: f64 = 4.0 * f64::EPSILON;
 
-/// All functions of τ in [-1, 1] within `error` of Σ coefficients[k] τᵏ.
+/// All functions of τ in [-1, 1] within `error` of the polynomial Σ cₖ τᵏ.
 ///
 /// Every operation encloses: if the operands contain two functions, the result contains what the operation makes of them. The error
 /// takes up the powers of τ that are dropped and all rounding.
@@ -237,7 +237,7 @@ impl Mul for Taylor {
     }
 }
 
-/// Σ factors[k] terms[k].
+/// The sum of `terms`, each times its factor.
 pub fn combination<const N: usize>(factors: [f64; N], terms: [&Taylor; N]) -> Taylor {
     let mut sum = Taylor::ZERO;
     let mut rounded = 0.0;
