@@ -33,6 +33,8 @@ pub struct Controller {
     is_fresh: bool,
     /// Time of the last step, s.
     time: f64,
+    /// Length of the last step, s: for how long a command is held.
+    hold: f64,
     /// When the planner was started, s, and how often it was asked since.
     started: f64,
     ticks: u64,
@@ -81,6 +83,7 @@ impl Controller {
             mode: Mode::Disabled,
             is_fresh: true,
             time,
+            hold: 0.0,
             started: time,
             ticks: 0,
             estimator,
@@ -116,6 +119,7 @@ impl Controller {
         self.is_fresh = false;
         let dt = time - self.time;
         self.time = time;
+        self.hold = dt;
         self.sense(inputs, dt);
         if self.mode == Mode::Active {
             self.plan(&inputs.goal_pose);
@@ -232,13 +236,13 @@ impl Controller {
         } else if self.aimed_for != Some(*goal) {
             self.aimed_for = Some(*goal);
             let from = self.outputs.set_point;
-            self.aim = planner::exact_aim(&self.parameters, &from, goal).unwrap_or(*goal);
+            self.aim = planner::exact_aim(&self.parameters, &from, goal, self.hold).unwrap_or(*goal);
         }
     }
 
     fn situation(&self) -> Situation<'_> {
         let Estimator { pose, rates } = &self.estimator;
-        Situation { pose, rates, set_point: &self.outputs.set_point }
+        Situation { pose, rates, set_point: &self.outputs.set_point, hold: self.hold }
     }
 
     fn is_steady(&self) -> bool {

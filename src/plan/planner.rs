@@ -15,8 +15,11 @@ const REST_ANGULAR_RATE: f64 = 1e-2;
 const NEAR_POSITION: f64 = 2e-3;
 const NEAR_ANGLE: f64 = 1e-2;
 
-/// Tension that the exact domain leaves unused, N: what holding the tensions over a sample may cost.
-pub const SAMPLING_MARGIN: f64 = 0.1;
+/// Tension that the exact domain leaves unused beside `minTension`, as a part of the weight: what holding the tensions over a step may cost.
+/// The cost grows with mass, gains and the length of the step; this is 0.1 N with Table I.
+const SAMPLING_MARGIN: f64 = 0.0017;
+/// The same for long steps and high gains, as a part of the weight for each unit of (λ₀ + η₀) times the step.
+const SAMPLING_RATE: f64 = 0.1;
 /// A set point nearer than this to the last one is not worth giving, m.
 const SMALLEST_STEP: f64 = 1e-5;
 
@@ -29,6 +32,8 @@ pub struct Situation<'a> {
     pub rates: &'a Coordinates,
     /// The active set point.
     pub set_point: &'a Pose,
+    /// For how long a command is held, s.
+    pub hold: f64,
 }
 
 impl Situation<'_> {
@@ -58,21 +63,30 @@ pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose)
     covered && within_limits(parameters, at_goal, Vector3::zeros(), parameters.min_tension).contains(&at_goal)
 }
 
-/// Where `Exact` makes for: the goal, or if the robot cannot rest there, the nearest point at the goal's height where it can with
-/// 0.1 N to spare. `None` for a goal that is no translation away, or if the solver gives no answer.
-pub fn exact_aim(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Option<Pose> {
+/// The tension that `Exact` keeps in every cable, N.
+fn least_tension(parameters: &ControllerParameters, hold: f64) -> f64 {
+    let ControllerParameters { robot, lambda, eta, min_tension, .. } = parameters;
+    min_tension + robot.m * robot.g * SAMPLING_MARGIN.max(SAMPLING_RATE * (lambda + eta) * hold)
+}
+
+/// Where `Exact` makes for: the goal, or if the robot cannot rest there, the nearest point at the goal's height where it can, with twice the
+/// margin that it keeps on the way, so that it is not caught on the edge. `None` for a goal that is no translation away, or if the solver gives no answer.
+pub fn exact_aim(parameters: &ControllerParameters, from: &Pose, goal: &Pose, hold: f64) -> Option<Pose> {
     if !is_translation(from, goal) {
         return None;
     }
     let robot = &parameters.robot;
     // G = g (a/2 - n·p) at rest, and u ≥ u_min where G ≥ 3 a u_min/m.
-    let least = parameters.min_tension.max(SAMPLING_MARGIN);
-    let margin = 3.0 * robot.a * least / (robot.m * robot.g);
-    let nearest = nearest_admissible(&horizontal(goal), &workspace_facets(robot), margin).ok()??;
-    let mut aim = *goal;
-    if nearest.distance > 0.0 {
-        aim.0.fixed_rows_mut::<2>(0).copy_from(&nearest.point);
+    let inset = |tension: f64| 3.0 * robot.a * tension / (robot.m * robot.g);
+    let least = least_tension(parameters, hold);
+    let point = horizontal(goal);
+    if static_workspace(robot).iter().all(|facet| facet.slack(&point) > inset(least)) {
+        return Some(*goal);
     }
+    let margin = inset(2.0 * least - parameters.min_tension);
+    let nearest = nearest_admissible(&point, &workspace_facets(robot), margin).ok()??;
+    let mut aim = *goal;
+    aim.0.fixed_rows_mut::<2>(0).copy_from(&nearest.point);
     aim.0.iter().all(|coordinate| coordinate.is_finite()).then_some(aim)
 }
 
@@ -143,7 +157,7 @@ fn exact(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Opt
         return None;
     }
     let velocity = now.rates.fixed_rows::<3>(0).into_owned();
-    let least = parameters.min_tension.max(SAMPLING_MARGIN);
+    let least = least_tension(parameters, now.hold);
     let domain = within_limits(parameters, now.pose.position(), velocity, least);
     let (from, to) = (now.set_point.position(), goal.position());
     if domain.contains(&to) {
@@ -222,7 +236,7 @@ mod tests {
     fn exact_takes_the_papers_move_in_one_step_and_a_rise_as_well() {
         let parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
         let start = Pose::default();
-        let now = Situation { pose: &start, rates: &Coordinates::zeros(), set_point: &start };
+        let now = Situation { pose: &start, rates: &Coordinates::zeros(), set_point: &start, hold: 1e-3 };
         for goal in [Pose::at(0.15, 0.15, 1.0), Pose::at(-0.1, 0.05, 0.8)] {
             assert_eq!(next_set_point(&parameters, &now, &goal), Some(goal));
         }

@@ -168,7 +168,8 @@ impl Plan {
                     self.planner,
                     match self.planner {
                         Planner::Bounded => "it plans at one height and with zero orientation",
-                        Planner::Exact => "it plans with zero orientation and keeps 0.1 N of every tension",
+                        Planner::Exact =>
+                            "it plans with zero orientation and keeps 0.17 % of the weight of every tension",
                     }
                 );
             }
@@ -220,7 +221,7 @@ impl Plan {
 /// The set points from rest to rest, as far as there are any.
 fn sequence(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> Vec<Pose> {
     let next = |at: &Pose| {
-        let now = Situation { pose: at, rates: &Coordinates::zeros(), set_point: at };
+        let now = Situation { pose: at, rates: &Coordinates::zeros(), set_point: at, hold: 0.0 };
         next_set_point(parameters, &now, to)
     };
     std::iter::successors(next(from), next).take(MOST_SET_POINTS).collect()

@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Args)]
 pub struct Soundness {
     /// Admissible cases to look at, rounded up to thousands
-    #[arg(long, default_value_t = 1_000_000)]
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     cases: u64,
     /// Seed of the random cases
     #[arg(long, default_value_t = 1)]

@@ -25,7 +25,7 @@ const INSTANTS: u32 = 400;
 #[derive(Args)]
 pub struct Tightness {
     /// Random pairs of points of the static workspace, for each gain and height
-    #[arg(long, default_value_t = 2000)]
+    #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..))]
     pairs: u32,
     /// Seed of the random pairs
     #[arg(long, default_value_t = 1)]

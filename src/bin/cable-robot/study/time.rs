@@ -29,8 +29,8 @@ const PATIENCE: f64 = 60.0;
 #[derive(Args)]
 pub struct Time {
     /// Random pairs of points of the static workspace at z = 1, for each gain
-    #[arg(long, default_value_t = 1000)]
-    pairs: usize,
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pairs: u32,
     /// Seed of the random pairs
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -133,12 +133,14 @@ fn point(rng: &mut Pcg64) -> Pose {
 /// Seconds until the robot rests at the goal.
 fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
     let planner = if way == Way::Bounded { PlannerKind::Bounded } else { PlannerKind::Exact };
+    // The exact planner keeps 0.1 N of its own (with Table I).
+    let min_tension = if way == Way::Bounded { LEAST } else { 0.0 };
     let parameters =
-        ControllerParameters { lambda: gain, eta: gain, min_tension: LEAST, planner, ..Default::default() };
+        ControllerParameters { lambda: gain, eta: gain, min_tension, planner, ..Default::default() };
     let response = Response::at(&parameters.gains(), parameters.planner_period);
     let (mut pose, mut rates, mut set_point) = (from, Coordinates::zeros(), from);
     for tick in 0..(PATIENCE / parameters.planner_period) as u32 {
-        let now = Situation { pose: &pose, rates: &rates, set_point: &set_point };
+        let now = Situation { pose: &pose, rates: &rates, set_point: &set_point, hold: 0.0 };
         let steady = now.is_steady();
         if steady && set_point == goal {
             return Some(f64::from(tick) * parameters.planner_period);
