@@ -14,7 +14,7 @@ use cable_robot::reach::certificate::{Step, certify};
 use cable_robot::reach::exact::NEVER_SLACK;
 use cable_robot::reach::{BoundedDomain, ExactDomain};
 use cable_robot::robot::{
-    Coordinates, Geometry, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
+    Coordinates, Geometry, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
 };
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -117,6 +117,15 @@ fn exact(c: &mut Criterion) {
     let far = step(Pose::at(0.3, 0.0, 1.0));
     c.bench_function("certificate, admissible step", |b| b.iter(|| certify(&rig, black_box(&near)).unwrap()));
     c.bench_function("certificate, refused step", |b| b.iter(|| certify(&rig, black_box(&far)).unwrap()));
+    let eight = RigFile::parse(include_str!("../rigs/eight.toml")).unwrap().rig;
+    let start = Pose::at(0.0, 0.0, 2.0);
+    let near = Step { start, ..step(Pose(Coordinates::new(0.5, 0.3, 1.8, 0.0, 0.1, 0.2))) };
+    let far = Step { start, ..step(Pose::at(1.8, 1.4, 1.0)) };
+    for (name, step) in [("admissible", near), ("refused", far)] {
+        c.bench_function(&format!("certificate of eight cables, {name} step"), |b| {
+            b.iter(|| certify(&eight, black_box(&step)).unwrap())
+        });
+    }
     c.bench_function("exact farthest from a velocity", |b| {
         b.iter(|| moving.farthest(&from, black_box(&goal)))
     });

@@ -4,43 +4,20 @@
 #![allow(unsafe_code)]
 
 mod common;
+#[path = "common/counting_allocator.rs"]
+mod counting_allocator;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
 use cable_robot::fmi::abi::{fmi3::*, fmi3_values::*};
 use cable_robot::fmi::models::MODELS;
 use cable_robot::fmi::variables::Causality;
-use cable_robot::plan::ControllerParameters;
-use cable_robot::robot::Pose;
+use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
+use cable_robot::robot::{Coordinates, Pose};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
-
-struct Counting;
-
-thread_local! {
-    static CALLS: Cell<usize> = const { Cell::new(0) };
-    static BYTES: Cell<isize> = const { Cell::new(0) };
-}
-
-// SAFETY: everything is handed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.set(CALLS.get() + 1);
-        BYTES.set(BYTES.get() + layout.size() as isize);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        BYTES.set(BYTES.get() - layout.size() as isize);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
+use counting_allocator::{BYTES, CALLS};
 
 #[test]
 fn steps_of_the_library_allocate_nothing() {
@@ -58,6 +35,22 @@ fn steps_of_the_library_allocate_nothing() {
     }
     assert_eq!(CALLS.get() - before, 0, "allocations in 3000 steps with 60 planner ticks");
     assert!(closed_loop.controller.outputs().set_point_index >= 1);
+}
+
+/// Turning, the planner asks the certificate: at every tick, also where it refuses.
+#[test]
+fn steps_of_the_exact_planner_allocate_nothing() {
+    let parameters =
+        ControllerParameters { planner: PlannerKind::Exact, max_tension: 16.0, ..Default::default() };
+    let goal = Pose(Coordinates::new(0.05, 0.0, 0.9, 0.1, 0.0, 0.9));
+    let mut closed_loop = ClosedLoop::new(parameters, PlantParameters::default(), goal, 1e-3);
+    let before = CALLS.get();
+    for _ in 0..3000 {
+        closed_loop.advance();
+    }
+    assert_eq!(CALLS.get() - before, 0, "allocations in 3000 steps with 60 planner ticks");
+    let output = closed_loop.controller.outputs();
+    assert!(output.set_point_index >= 1 && output.status == Status::GoalUnreachable, "{output:?}");
 }
 
 #[test]
@@ -101,4 +94,24 @@ fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
             fmi3FreeInstance(instance);
         }
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn frames_through_a_serial_line_allocate_nothing() {
+    use cable_robot::rig::frame::Frame;
+    use cable_robot::transport::{Transport, now, open, pseudo_terminal};
+
+    let (mut adapter, device) = pseudo_terminal().unwrap();
+    let mut program = open(&format!("slcan:{}", device.display()), 1_000_000, &[]).unwrap();
+    let before = CALLS.get();
+    for k in 0..1000u32 {
+        program.send(&Frame::data(0x201, k.to_le_bytes())).unwrap();
+        let received = adapter.receive(now() + 10_000_000_000).unwrap().unwrap();
+        adapter.send(&received.frame).unwrap();
+        assert_eq!(program.receive(now() + 10_000_000_000).unwrap().unwrap().frame, received.frame);
+    }
+    drop(adapter);
+    assert!(program.receive(0).is_err());
+    assert_eq!(CALLS.get() - before, 0, "allocations in 1000 echoed frames and a hang-up");
 }

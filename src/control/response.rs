@@ -1,6 +1,20 @@
 //! Eqs. (12) and (13): how a coordinate under the law (4) moves, in closed form, from rest or from any velocity.
 
 use super::Gains;
+use crate::robot::{Coordinates, Pose};
+
+/// Time constants of the slower gain after which the robot is taken to rest.
+const TIME_CONSTANTS: f64 = 20.0;
+
+/// How long a motion under the law takes to come to rest for all purposes, s.
+pub fn time_to_rest(gains: &Gains) -> f64 {
+    TIME_CONSTANTS / gains.lambda.min(gains.eta)
+}
+
+/// `count` instants (two or more) from 0 to `end` (s), denser at the start: where a motion is looked at.
+pub fn instants(end: f64, count: usize) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+    (0..count).map(move |k| end * (k as f64 / (count - 1) as f64).powi(2))
+}
 
 /// Unit responses of e'' + (λ₀ + η₀) e' + λ₀ η₀ e = 0 for an error e = x - x_d, evaluated at one time.
 ///
@@ -35,6 +49,19 @@ impl Response {
         let e0 = x0 - xd;
         let [e, de, dde] = std::array::from_fn(|k| e0 * self.f[k] + v0 * self.phi[k]);
         [xd + e, de, dde]
+    }
+
+    /// Pose, rates and accelerations of the robot that started at `pose` with `rates` towards `set_point`, all six coordinates;
+    /// angles turn the short way round.
+    pub fn motion_of(
+        &self,
+        pose: &Pose,
+        rates: &Coordinates,
+        set_point: &Pose,
+    ) -> (Pose, Coordinates, Coordinates) {
+        let error = pose.minus(set_point);
+        let [e, de, dde] = std::array::from_fn(|k| error * self.f[k] + rates * self.phi[k]);
+        (Pose(set_point.0 + e), de, dde)
     }
 
     /// f and φ.
@@ -84,6 +111,28 @@ mod tests {
                 assert!((motion_over[k] - expected_over[k]).abs() < 1e-13);
             }
         }
+    }
+
+    #[test]
+    fn a_robot_moves_as_its_coordinates_do_and_turns_the_short_way() {
+        let start = Pose(Coordinates::new(0.1, 0.2, 1.0, 0.1, -0.2, 3.1));
+        let goal = Pose(Coordinates::new(0.0, -0.1, 1.2, 0.0, 0.3, -3.1));
+        let rates = Coordinates::new(0.3, -0.1, 0.2, 0.5, 0.1, -0.4);
+        let response = Response::at(&Gains { lambda: 2.0, eta: 3.0 }, 0.4);
+        let (pose, velocity, acceleration) = response.motion_of(&start, &rates, &goal);
+        for k in 0..6 {
+            let from = if k == 5 { 3.1 - std::f64::consts::TAU } else { start.0[k] };
+            let expected = response.motion(from, rates[k], goal.0[k]);
+            for (found, expected) in [pose.0[k], velocity[k], acceleration[k]].iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{found} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn instants_run_from_the_start_to_the_end() {
+        let times: Vec<f64> = instants(4.0, 5).collect();
+        assert_eq!(times, [0.0, 0.25, 1.0, 2.25, 4.0]);
     }
 
     #[test]

@@ -5,11 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
-use super::planner::{self, Situation};
+use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
 use crate::robot::dynamics::static_tensions;
-use crate::robot::{CABLES, Coordinates, Geometry, ParameterError, PerCable, Pose, forward_kinematics};
+use crate::robot::{CABLES, Coordinates, ParameterError, PerCable, Pose, forward_kinematics};
 
 /// A pose measured farther than this from where it was, plus what the robot can travel meanwhile, is a sensor fault.
 /// m, rad, m/s, rad/s. The first two are the range in which forward kinematics is proved.
@@ -23,11 +23,10 @@ const LARGEST_PITCH: f64 = 1.4;
 /// `steady` ends when the tolerances of rest are exceeded this many times over.
 const STILL_AT_REST: f64 = 5.0;
 
-/// Controller and planner with all their memory: plain data, no heap.
+/// Controller and planner with all their memory: plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
-    parameters: ControllerParameters,
-    geometry: Geometry,
+    planner: Planner,
     mode: Mode,
     /// Whether no step was made yet.
     is_fresh: bool,
@@ -71,15 +70,12 @@ impl Controller {
         inputs: &ControllerInputs,
     ) -> Result<Self, ParameterError> {
         parameters.validate()?;
-        let geometry = Geometry::new(&parameters.robot);
+        let planner = Planner::from(parameters);
+        let outputs = outputs_at(&inputs.encoder_pose, parameters.min_tension);
         let estimator = Estimator::at_rest(inputs.encoder_pose);
-        let state = (&estimator.pose, &estimator.rates);
-        let gains = parameters.gains();
-        let prediction =
-            Prediction::new(&parameters.robot, &geometry, &gains, state, &inputs.encoder_pose, time);
+        let prediction = prediction(&planner, &estimator, &outputs.set_point, time);
         let mut controller = Self {
-            parameters,
-            geometry,
+            planner,
             mode: Mode::Disabled,
             is_fresh: true,
             time,
@@ -93,28 +89,17 @@ impl Controller {
             unreachable: false,
             aim: inputs.goal_pose,
             aimed_for: None,
-            outputs: ControllerOutputs {
-                motor_tension: [parameters.min_tension; CABLES],
-                set_point: inputs.encoder_pose,
-                set_point_index: 0,
-                estimated_pose: inputs.encoder_pose,
-                estimated_velocity: Coordinates::zeros(),
-                steady: false,
-                at_goal: false,
-                goal_distance: 0.0,
-                tension_margin: prediction.smallest_from(time),
-                status: Status::Disabled,
-            },
+            outputs,
         };
-        controller.sense(inputs, 0.0);
-        controller.act(inputs, 0.0);
+        controller.begin(inputs);
         Ok(controller)
     }
 
     /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs to hold until the next step.
     pub fn step(&mut self, time: f64, inputs: &ControllerInputs) {
         if self.is_fresh && time == self.time {
-            self.restart(inputs);
+            // The inputs of the first step are those of the start: what was known before may have been a start value only.
+            self.begin(inputs);
         }
         self.is_fresh = false;
         let dt = time - self.time;
@@ -127,11 +112,20 @@ impl Controller {
         self.act(inputs, dt);
     }
 
-    /// The inputs of the first step are those of the start: what was known before may have been a start value only.
-    fn restart(&mut self, inputs: &ControllerInputs) {
-        if let Ok(fresh) = Self::new(self.parameters, self.time, inputs) {
-            *self = fresh;
-        }
+    /// Starts where the robot is, or waits there to be enabled.
+    fn begin(&mut self, inputs: &ControllerInputs) {
+        self.mode = Mode::Disabled;
+        self.estimator = Estimator::at_rest(inputs.encoder_pose);
+        self.outputs = outputs_at(&inputs.encoder_pose, self.planner.parameters.min_tension);
+        self.aim = inputs.goal_pose;
+        self.start_here();
+        self.sense(inputs, 0.0);
+        self.act(inputs, 0.0);
+    }
+
+    /// The parameters it was started with.
+    pub fn parameters(&self) -> &ControllerParameters {
+        &self.planner.parameters
     }
 
     /// The outputs of the last step.
@@ -161,11 +155,11 @@ impl Controller {
     }
 
     fn measured_pose(&self, inputs: &ControllerInputs, dt: f64) -> Option<Pose> {
-        match self.parameters.pose_source {
+        match self.planner.parameters.pose_source {
             PoseSource::EncoderPose => Some(inputs.encoder_pose),
             PoseSource::CableLengths => {
                 let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
-                forward_kinematics(&self.geometry, &inputs.cable_length, &expected)
+                forward_kinematics(&self.planner.geometry, &inputs.cable_length, &expected)
                     .ok()
                     .map(|found| found.pose)
             }
@@ -185,8 +179,9 @@ impl Controller {
 
     /// From now on gravity is held at the last good pose.
     fn fault(&self) -> Mode {
-        let least = [self.parameters.min_tension; CABLES];
-        let held = static_tensions(&self.parameters.robot, &self.geometry, &self.estimator.pose);
+        let ControllerParameters { robot, min_tension, .. } = &self.planner.parameters;
+        let least = [*min_tension; CABLES];
+        let held = static_tensions(robot, &self.planner.geometry, &self.estimator.pose);
         Mode::Faulted(self.limited(held.unwrap_or(least)))
     }
 
@@ -206,7 +201,7 @@ impl Controller {
 
     /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.
     fn plan(&mut self, goal: &Pose) {
-        let period = self.parameters.planner_period;
+        let period = self.planner.parameters.planner_period;
         let elapsed = (self.time - self.started) / period;
         // A tick is not missed for the rounding of communication points.
         if elapsed < self.ticks as f64 - 1e-6 {
@@ -215,12 +210,12 @@ impl Controller {
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
         self.take_aim(goal);
-        let next = planner::next_set_point(&self.parameters, &self.situation(), &self.aim);
+        let next = self.planner.next_set_point(&self.situation(), &self.aim);
         let stuck = self.is_steady() && next.is_none() && set_point != self.aim;
-        self.unreachable = stuck || !planner::is_reachable(&self.parameters, &set_point, goal);
+        self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
         let instead = if stuck { set_point } else { self.aim };
-        let short = (goal.position() - instead.position()).norm().min(f64::MAX);
-        self.outputs.goal_distance = if self.unreachable { short } else { 0.0 };
+        self.outputs.goal_distance =
+            if self.unreachable { self.planner.distance(&instead, goal) } else { 0.0 };
         if let Some(next) = next {
             self.outputs.set_point = next;
             self.outputs.set_point_index += 1;
@@ -229,14 +224,14 @@ impl Controller {
         self.predict();
     }
 
-    /// The goal itself, but for `Exact` and a goal that cannot be had the nearest point that can. Found once a goal: it calls the solver.
+    /// The goal itself, but for `Exact` and a goal that cannot be had what comes nearest. Found once a goal: it may call the solver.
     fn take_aim(&mut self, goal: &Pose) {
-        if self.parameters.planner == PlannerKind::Bounded {
+        if self.planner.parameters.planner == PlannerKind::Bounded {
             self.aim = *goal;
         } else if self.aimed_for != Some(*goal) {
             self.aimed_for = Some(*goal);
             let from = self.outputs.set_point;
-            self.aim = planner::exact_aim(&self.parameters, &from, goal, self.hold).unwrap_or(*goal);
+            self.aim = self.planner.exact_aim(&from, goal, self.hold);
         }
     }
 
@@ -250,16 +245,7 @@ impl Controller {
     }
 
     fn predict(&mut self) {
-        let Self { parameters, geometry, estimator, outputs, .. } = &*self;
-        let state = (&estimator.pose, &estimator.rates);
-        self.prediction = Prediction::new(
-            &parameters.robot,
-            geometry,
-            &parameters.gains(),
-            state,
-            &outputs.set_point,
-            self.time,
-        );
+        self.prediction = prediction(&self.planner, &self.estimator, &self.outputs.set_point, self.time);
     }
 
     /// The law (4), or what stands for it when the controller may not or cannot act.
@@ -272,22 +258,22 @@ impl Controller {
         }
         match self.mode {
             Mode::Active => {}
-            Mode::Disabled => self.outputs.motor_tension = [self.parameters.min_tension; CABLES],
+            Mode::Disabled => self.outputs.motor_tension = [self.planner.parameters.min_tension; CABLES],
             Mode::Faulted(held) => self.outputs.motor_tension = held,
         }
         self.report(&inputs.goal_pose);
     }
 
     fn law(&self) -> Option<PerCable<f64>> {
-        let ControllerParameters { robot, .. } = &self.parameters;
+        let ControllerParameters { robot, .. } = &self.planner.parameters;
         let Estimator { pose, rates } = &self.estimator;
-        let gains = self.parameters.gains();
-        lyapunov::tension_command(robot, &self.geometry, &gains, pose, rates, &self.outputs.set_point)
+        let gains = self.planner.parameters.gains();
+        lyapunov::tension_command(robot, &self.planner.geometry, &gains, pose, rates, &self.outputs.set_point)
     }
 
     fn pull(&mut self, tension: &PerCable<f64>, inputs: &ControllerInputs, dt: f64) {
         let desired = self.limited(*tension);
-        let command = if self.parameters.force_loop {
+        let command = if self.planner.parameters.force_loop {
             self.force_loop.command(&desired, &inputs.measured_tension, dt)
         } else {
             desired
@@ -295,11 +281,11 @@ impl Controller {
         self.outputs.motor_tension = self.limited(command);
         let Estimator { pose, rates } = &self.estimator;
         self.acceleration =
-            lyapunov::acceleration(&self.parameters.gains(), pose, rates, &self.outputs.set_point);
+            lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, &self.outputs.set_point);
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
-        tension.map(|u| u.clamp(self.parameters.min_tension, self.parameters.max_tension))
+        tension.map(|u| u.clamp(self.planner.parameters.min_tension, self.planner.parameters.max_tension))
     }
 
     fn report(&mut self, goal: &Pose) {
@@ -326,4 +312,26 @@ impl Controller {
             }
         };
     }
+}
+
+/// At rest at `pose`, which is the set point, with nothing commanded yet.
+fn outputs_at(pose: &Pose, min_tension: f64) -> ControllerOutputs {
+    ControllerOutputs {
+        motor_tension: [min_tension; CABLES],
+        set_point: *pose,
+        set_point_index: 0,
+        estimated_pose: *pose,
+        estimated_velocity: Coordinates::zeros(),
+        steady: false,
+        at_goal: false,
+        goal_distance: 0.0,
+        tension_margin: 0.0,
+        status: Status::Disabled,
+    }
+}
+
+fn prediction(planner: &Planner, estimator: &Estimator, set_point: &Pose, time: f64) -> Prediction {
+    let Planner { parameters, geometry, .. } = planner;
+    let state = (&estimator.pose, &estimator.rates);
+    Prediction::new(&parameters.robot, geometry, &parameters.gains(), state, set_point, time)
 }

@@ -1,12 +1,10 @@
 //! What a step asks of the cables: the extreme tensions along its closed-form response, looked at densely.
 
-use crate::control::{Gains, Response};
+use crate::control::{Gains, Response, response};
 use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits, tensions};
 
 /// Instants looked at, denser at the start.
-const INSTANTS: usize = 4000;
-/// Time constants of the slower gain after which the robot is taken to rest.
-const TIME_CONSTANTS: f64 = 20.0;
+const INSTANTS: usize = 4001;
 
 /// A tension of one cable at one instant of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,15 +40,11 @@ pub fn extremes(
     to: &Pose,
 ) -> Option<Extremes> {
     let geometry = Geometry::new(robot);
-    let error = from.minus(to);
-    let horizon = TIME_CONSTANTS / gains.lambda.min(gains.eta);
     let mut found: Option<Extremes> = None;
-    for k in 0..=INSTANTS {
-        let time = horizon * (k as f64 / INSTANTS as f64).powi(2);
-        let [f, df, ddf] = Response::at(gains, time).step_error();
-        let pose = Pose(to.0 + error * f);
-        let (rates, accelerations): (Coordinates, Coordinates) = (error * df, error * ddf);
-        let tension = tensions(robot, &geometry, &pose, &rates, &accelerations)?;
+    for time in response::instants(response::time_to_rest(gains), INSTANTS) {
+        let (pose, rates, acceleration) =
+            Response::at(gains, time).motion_of(from, &Coordinates::zeros(), to);
+        let tension = tensions(robot, &geometry, &pose, &rates, &acceleration)?;
         for (i, tension) in tension.into_iter().enumerate() {
             let here = TensionAt { cable: i + 1, tension, time, pose };
             let outside = (tension <= limits.min || tension > limits.max).then_some(here);

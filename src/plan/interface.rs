@@ -11,7 +11,7 @@ use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters}
 pub enum PlannerKind {
     /// The paper's reachable domain, Eq. (15): steps in x and y from rest.
     Bounded = 1,
-    /// Exactly the admissible translations, from any state: a set point at every tick.
+    /// Exactly the admissible translations, and every other step that the certificate proves, from any state: a set point at every tick.
     Exact = 2,
 }
 
@@ -41,11 +41,18 @@ pub enum Status {
     SensorFault = 6,
 }
 
+impl Status {
+    /// All there are, in the order of their numbers.
+    pub const ALL: [Self; 6] =
+        [Self::Disabled, Self::Holding, Self::Moving, Self::AtGoal, Self::GoalUnreachable, Self::SensorFault];
+}
+
 /// Largest gain that makes sense, 1/s.
 const MAX_GAIN: f64 = 1000.0;
 
 /// Parameters of the controller; the defaults are Tables I and II.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub struct ControllerParameters {
     /// The robot under control.
     pub robot: RobotParameters,
@@ -118,7 +125,8 @@ pub struct ControllerOutputs {
     pub steady: bool,
     /// At rest at the goal.
     pub at_goal: bool,
-    /// From the goal to where the planner makes for instead, m; 0 if the goal can be had.
+    /// From the goal to where the planner makes for instead, m; 0 if the goal can be had. Of the attachment that has the farthest to
+    /// go: for translations simply the distance.
     pub goal_distance: f64,
     /// Smallest tension of any cable predicted from now on, N.
     pub tension_margin: f64,

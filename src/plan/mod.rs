@@ -2,6 +2,7 @@
 
 pub mod bisection;
 pub mod controller;
+pub mod exact;
 pub mod extremes;
 pub mod interface;
 pub mod linear_program;
@@ -13,3 +14,4 @@ pub use controller::Controller;
 pub use interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
+pub use planner::Planner;

@@ -1,12 +1,14 @@
 //! Eq. (17): the next set point on the way to the goal.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::bisection::smallest_admissible;
 use super::interface::{ControllerParameters, PlannerKind};
-use super::nearest::{nearest_admissible, workspace_facets};
 use crate::reach::{BoundedDomain, Curve, ExactDomain, static_workspace};
-use crate::robot::{Coordinates, Pose, TensionLimits};
+use crate::robot::{Coordinates, Geometry, Pose, Rig, TensionLimits, dynamics::static_tensions};
 
 /// The motion counts as at rest below these rates, m/s and rad/s,
 const REST_SPEED: f64 = 2e-3;
@@ -15,13 +17,9 @@ const REST_ANGULAR_RATE: f64 = 1e-2;
 const NEAR_POSITION: f64 = 2e-3;
 const NEAR_ANGLE: f64 = 1e-2;
 
-/// Tension that the exact domain leaves unused beside `minTension`, as a part of the weight: what holding the tensions over a step may cost.
-/// The cost grows with mass, gains and the length of the step; this is 0.1 N with Table I.
-const SAMPLING_MARGIN: f64 = 0.0017;
-/// The same for long steps and high gains, as a part of the weight for each unit of (λ₀ + η₀) times the step.
-const SAMPLING_RATE: f64 = 0.1;
-/// A set point nearer than this to the last one is not worth giving, m.
+/// A set point nearer than this to the last one is not worth giving, m and rad.
 const SMALLEST_STEP: f64 = 1e-5;
+const SMALLEST_TURN: f64 = 5e-5;
 
 /// What the planner starts from: where the robot is, how it moves, where it was last told to go.
 #[derive(Clone, Copy, Debug)]
@@ -50,44 +48,82 @@ impl Situation<'_> {
             && self.rates.fixed_rows::<3>(0).norm() < factor * REST_SPEED
             && self.rates.fixed_rows::<3>(3).amax() < factor * REST_ANGULAR_RATE
     }
-}
 
-/// Whether the robot can rest at the goal with every tension within its limits, and the planner's domain speaks of the motion to it: for
-/// (15) a move in x and y at constant height, for the exact domain any translation; both with zero orientation.
-pub fn is_reachable(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> bool {
-    let covered = match parameters.planner {
-        PlannerKind::Bounded => is_horizontal(from, goal),
-        PlannerKind::Exact => is_translation(from, goal),
-    };
-    let at_goal = goal.position();
-    covered && within_limits(parameters, at_goal, Vector3::zeros(), parameters.min_tension).contains(&at_goal)
-}
-
-/// The tension that `Exact` keeps in every cable, N.
-fn least_tension(parameters: &ControllerParameters, hold: f64) -> f64 {
-    let ControllerParameters { robot, lambda, eta, min_tension, .. } = parameters;
-    min_tension + robot.m * robot.g * SAMPLING_MARGIN.max(SAMPLING_RATE * (lambda + eta) * hold)
-}
-
-/// Where `Exact` makes for: the goal, or if the robot cannot rest there, the nearest point at the goal's height where it can, with twice the
-/// margin that it keeps on the way, so that it is not caught on the edge. `None` for a goal that is no translation away, or if the solver gives no answer.
-pub fn exact_aim(parameters: &ControllerParameters, from: &Pose, goal: &Pose, hold: f64) -> Option<Pose> {
-    if !is_translation(from, goal) {
-        return None;
+    /// Whether the motion is, and a step to `goal` would be, a translation with zero orientation.
+    pub(super) fn is_level(&self, goal: &Pose) -> bool {
+        let turning = self.rates.fixed_rows::<3>(3).amax();
+        turning < REST_ANGULAR_RATE && [self.pose, self.set_point, goal].into_iter().all(is_level)
     }
-    let robot = &parameters.robot;
-    // G = g (a/2 - n·p) at rest, and u ≥ u_min where G ≥ 3 a u_min/m.
-    let inset = |tension: f64| 3.0 * robot.a * tension / (robot.m * robot.g);
-    let least = least_tension(parameters, hold);
-    let point = horizontal(goal);
-    if static_workspace(robot).iter().all(|facet| facet.slack(&point) > inset(least)) {
-        return Some(*goal);
+}
+
+/// Gives set points towards a goal. It is its parameters, and what follows from them: the geometry, and the rig that the certificate asks
+/// for. Copies share the rig, so that copying allocates nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "ControllerParameters", into = "ControllerParameters")]
+pub struct Planner {
+    pub(super) parameters: ControllerParameters,
+    pub(super) geometry: Geometry,
+    pub(super) rig: Arc<Rig>,
+}
+
+impl From<ControllerParameters> for Planner {
+    fn from(parameters: ControllerParameters) -> Self {
+        let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
+        let robot = &parameters.robot;
+        let rig = Arc::new(Rig::triangular(robot, limits));
+        Self { parameters, geometry: Geometry::new(robot), rig }
     }
-    let margin = inset(2.0 * least - parameters.min_tension);
-    let nearest = nearest_admissible(&point, &workspace_facets(robot), margin).ok()??;
-    let mut aim = *goal;
-    aim.0.fixed_rows_mut::<2>(0).copy_from(&nearest.point);
-    aim.0.iter().all(|coordinate| coordinate.is_finite()).then_some(aim)
+}
+
+impl From<Planner> for ControllerParameters {
+    fn from(planner: Planner) -> Self {
+        planner.parameters
+    }
+}
+
+impl Planner {
+    /// The set point to give now; `None` if there is none nearer to the goal, or, for (15), not before the robot rests.
+    pub fn next_set_point(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
+        match self.parameters.planner {
+            PlannerKind::Bounded if now.is_steady() => bounded(&self.parameters, now.set_point, goal),
+            PlannerKind::Bounded => None,
+            PlannerKind::Exact => self.exact(now, goal),
+        }
+    }
+
+    /// Whether the robot can rest at the goal with every tension within its limits, and the planner's domain speaks of the motion to it: for
+    /// (15) a move in x and y at constant height, for the exact domain any.
+    pub fn is_reachable(&self, from: &Pose, goal: &Pose) -> bool {
+        match self.parameters.planner {
+            PlannerKind::Bounded => {
+                let at_goal = goal.position();
+                let domain = within_limits(&self.parameters, at_goal, Vector3::zeros());
+                is_horizontal(from, goal) && domain.contains(&at_goal)
+            }
+            PlannerKind::Exact => goal.0[2] > 0.0 && self.rests_at(goal, 0.0),
+        }
+    }
+
+    /// Whether at rest every tension keeps `allowance` (N) from its limits.
+    pub(super) fn rests_at(&self, pose: &Pose, allowance: f64) -> bool {
+        let ControllerParameters { min_tension, max_tension, robot, .. } = &self.parameters;
+        let within = |u: f64| u > min_tension + allowance && u < max_tension - allowance;
+        static_tensions(robot, &self.geometry, pose).is_some_and(|tension| tension.into_iter().all(within))
+    }
+
+    /// From a pose to the goal, m: the way of the attachment that has the farthest to go. For equal angles, the way of them all.
+    pub fn distance(&self, pose: &Pose, goal: &Pose) -> f64 {
+        let (way, from, to) = (goal.position() - pose.position(), pose.rotation(), goal.rotation());
+        let ways = self.geometry.attachment.iter().map(|b| way + (to * b - from * b));
+        let length = |way: Vector3<f64>| way.x.hypot(way.y).hypot(way.z);
+        ways.map(length).fold(0.0, f64::max).min(f64::MAX)
+    }
+}
+
+/// Whether a step this far is worth giving.
+pub(super) fn is_worth_it(from: &Pose, to: &Pose) -> bool {
+    let way = to.minus(from);
+    way.fixed_rows::<3>(0).norm() > SMALLEST_STEP || way.fixed_rows::<3>(3).amax() > SMALLEST_TURN
 }
 
 /// The exact domain under the tensions that the drives allow.
@@ -95,19 +131,9 @@ fn within_limits(
     parameters: &ControllerParameters,
     position: Vector3<f64>,
     velocity: Vector3<f64>,
-    min: f64,
 ) -> ExactDomain {
-    let limits = TensionLimits { min, max: parameters.max_tension };
+    let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
     ExactDomain::new(&parameters.robot, &parameters.gains(), limits, position, velocity)
-}
-
-/// The set point to give now; `None` if there is none nearer to the goal, or, for (15), not before the robot rests.
-pub fn next_set_point(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
-    match parameters.planner {
-        PlannerKind::Bounded if now.is_steady() => bounded(parameters, now.set_point, goal),
-        PlannerKind::Bounded => None,
-        PlannerKind::Exact => exact(parameters, now, goal),
-    }
 }
 
 /// (17) with the domain (15), which assumes x'₀ = 0 at the last set point. What "at rest" leaves of a motion must not slacken a
@@ -120,7 +146,7 @@ fn bounded(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Optio
     let at = |beta: f64| x_f + (x_prev - x_f) * beta; // (17)
     let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, z_c);
     let start = Vector3::new(x_prev.x, x_prev.y, z_c);
-    let limits = within_limits(parameters, start, Vector3::zeros(), parameters.min_tension);
+    let limits = within_limits(parameters, start, Vector3::zeros());
     let allowance = rest_allowance(parameters, z_c);
     let facets = static_workspace(&parameters.robot);
     let beta = smallest_admissible(parameters.bisection_steps, |beta| {
@@ -149,36 +175,16 @@ fn rest_allowance(parameters: &ControllerParameters, z: f64) -> f64 {
     NEAR_POSITION * psi + REST_SPEED * chi
 }
 
-/// The farthest set point towards the goal that is admissible from the state the robot is in, moving or not. The active set point is
-/// admissible from every state on the way to it, so there is always one (docs/exact.md).
-fn exact(parameters: &ControllerParameters, now: &Situation, goal: &Pose) -> Option<Pose> {
-    let turning = now.rates.fixed_rows::<3>(3).amax();
-    if now.set_point == goal || !is_translation(now.pose, goal) || turning >= REST_ANGULAR_RATE {
-        return None;
-    }
-    let velocity = now.rates.fixed_rows::<3>(0).into_owned();
-    let least = least_tension(parameters, now.hold);
-    let domain = within_limits(parameters, now.pose.position(), velocity, least);
-    let (from, to) = (now.set_point.position(), goal.position());
-    if domain.contains(&to) {
-        return Some(*goal);
-    }
-    let way = (to - from) * domain.farthest(&from, &to)?;
-    let mut set_point = *goal;
-    set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + way));
-    (way.norm() > SMALLEST_STEP).then_some(set_point)
-}
-
 fn is_horizontal(from: &Pose, goal: &Pose) -> bool {
-    is_translation(from, goal) && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION
+    goal.0[2] > 0.0 && is_level(from) && is_level(goal) && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION
 }
 
-fn is_translation(from: &Pose, goal: &Pose) -> bool {
-    let level = |pose: &Pose| pose.0.fixed_rows::<3>(3).amax() < NEAR_ANGLE;
-    goal.0[2] > 0.0 && level(from) && level(goal)
+/// Whether an orientation counts as zero.
+pub(super) fn is_level(pose: &Pose) -> bool {
+    pose.0.fixed_rows::<3>(3).amax() < NEAR_ANGLE
 }
 
-fn horizontal(pose: &Pose) -> Vector2<f64> {
+pub(super) fn horizontal(pose: &Pose) -> Vector2<f64> {
     Vector2::new(pose.0[0], pose.0[1])
 }
 
@@ -206,39 +212,47 @@ mod tests {
 
     #[test]
     fn other_motions_than_horizontal_ones_get_no_set_point() {
-        let parameters = ControllerParameters::default();
+        let planner = Planner::from(ControllerParameters::default());
         for goal in [
             Pose::at(0.1, 0.0, 0.9),
             Pose::at(0.0, 0.0, -1.0),
             Pose(Coordinates::new(0.1, 0.0, 1.0, 0.0, 0.0, 0.2)),
         ] {
-            assert_eq!(bounded(&parameters, &Pose::default(), &goal), None);
-            assert!(!is_reachable(&parameters, &Pose::default(), &goal));
+            assert_eq!(bounded(&planner.parameters, &Pose::default(), &goal), None);
+            assert!(!planner.is_reachable(&Pose::default(), &goal));
         }
     }
 
     #[test]
     fn a_goal_outside_is_approached_from_inside() {
-        let parameters = ControllerParameters::default();
+        let planner = Planner::from(ControllerParameters::default());
         let goal = Pose::at(0.0, 0.4, 1.0);
         let mut from = Pose::default();
-        while let Some(next) = bounded(&parameters, &from, &goal) {
+        while let Some(next) = bounded(&planner.parameters, &from, &goal) {
             from = next;
         }
-        assert!(
-            from.0[1] > 0.2 && crate::reach::in_static_workspace(&parameters.robot, &horizontal(&from)),
-            "{from:?}"
-        );
-        assert!(!is_reachable(&parameters, &from, &goal));
+        let inside = crate::reach::in_static_workspace(&planner.parameters.robot, &horizontal(&from));
+        assert!(from.0[1] > 0.2 && inside, "{from:?}");
+        assert!(!planner.is_reachable(&from, &goal));
     }
 
     #[test]
-    fn exact_takes_the_papers_move_in_one_step_and_a_rise_as_well() {
-        let parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
-        let start = Pose::default();
-        let now = Situation { pose: &start, rates: &Coordinates::zeros(), set_point: &start, hold: 1e-3 };
-        for goal in [Pose::at(0.15, 0.15, 1.0), Pose::at(-0.1, 0.05, 0.8)] {
-            assert_eq!(next_set_point(&parameters, &now, &goal), Some(goal));
-        }
+    fn the_distance_of_a_turned_goal_is_the_way_of_the_attachments() {
+        let planner = Planner::from(ControllerParameters::default());
+        let here = Pose::default();
+        assert_eq!(planner.distance(&here, &Pose::at(0.3, 0.0, 0.6)), 0.5);
+        // A quarter of a turn takes an attachment along a chord of √2 radii.
+        let turned = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2));
+        let expected = 2f64.sqrt() * planner.geometry.platform_radius();
+        assert!((planner.distance(&here, &turned) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_saved_planner_comes_back_with_its_rig() {
+        let robot = crate::robot::RobotParameters { m: 7.0, ..Default::default() };
+        let planner = Planner::from(ControllerParameters { robot, ..Default::default() });
+        let bytes = postcard::to_stdvec(&planner).unwrap();
+        assert_eq!(postcard::from_bytes::<Planner>(&bytes).unwrap(), planner);
+        assert_eq!(bytes, postcard::to_stdvec(&planner.parameters).unwrap());
     }
 }

@@ -2,13 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::control::{Gains, Response, lyapunov};
+use crate::control::{Gains, Response, response};
 use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, tensions};
 
 /// Instants looked at, denser at the start.
 const INSTANTS: usize = 32;
-/// Time constants of the slower gain after which the robot is taken to rest.
-const TIME_CONSTANTS: f64 = 20.0;
 
 /// Smallest tension of any cable from each of a row of instants on, along the closed form (12), (13) of all six coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,23 +27,11 @@ impl Prediction {
         set_point: &Pose,
         time: f64,
     ) -> Self {
-        let mut prediction = Self {
-            made_at: time,
-            horizon: TIME_CONSTANTS / gains.lambda.min(gains.eta),
-            smallest: [0.0; INSTANTS],
-        };
-        let error = pose.minus(set_point);
+        let horizon = response::time_to_rest(gains);
+        let mut prediction = Self { made_at: time, horizon, smallest: [0.0; INSTANTS] };
         let mut smallest = f64::INFINITY;
-        for k in (0..INSTANTS).rev() {
-            let response = Response::at(gains, prediction.instant(k));
-            let moved = |i: usize| response.motion(set_point.0[i] + error[i], rates[i], set_point.0[i]);
-            let mut state = [Coordinates::zeros(); 2];
-            for i in 0..6 {
-                let [x, v, _] = moved(i);
-                (state[0][i], state[1][i]) = (x, v);
-            }
-            let (pose, rates) = (Pose(state[0]), state[1]);
-            let acceleration = lyapunov::acceleration(gains, &pose, &rates, set_point);
+        for (k, t) in response::instants(horizon, INSTANTS).enumerate().rev() {
+            let (pose, rates, acceleration) = Response::at(gains, t).motion_of(pose, rates, set_point);
             let tension = tensions(robot, geometry, &pose, &rates, &acceleration).unwrap_or_default();
             smallest = tension.iter().copied().fold(smallest, f64::min);
             prediction.smallest[k] = smallest;
@@ -58,11 +44,6 @@ impl Prediction {
         let share = ((time - self.made_at) / self.horizon).clamp(0.0, 1.0);
         let before = share.sqrt() * (INSTANTS - 1) as f64;
         self.smallest[before as usize]
-    }
-
-    /// Seconds from the prediction to its instant `k`.
-    fn instant(&self, k: usize) -> f64 {
-        self.horizon * (k as f64 / (INSTANTS - 1) as f64).powi(2)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix6xX, Vector6};
 
-use super::quadratic_program::{SolverError, minimise};
+use super::quadratic_program::{Optimum, SolverError, minimise};
 use crate::robot::TensionLimits;
 
 /// A row of the wrench matrix counts as a combination of others if what it adds is below this share of the largest row.
@@ -25,6 +25,12 @@ pub enum Distribution {
     Infeasible {
         /// By how much every limit would have to be widened, N; infinite if no tensions at all give the wrench.
         shortfall: f64,
+        /// Which limits stand against the wrench, one number a cable: above 0 where the greatest tension does, below 0 where the
+        /// least does, 0 where neither. Their absolute values add up to 1; none if no tensions at all give the wrench.
+        ///
+        /// They are c = Wᵀ y for a y with yᵀ w - max cᵀ u = `shortfall`, the greatest over all u within the limits, up to the
+        /// solver's tolerances.
+        weights: Vec<f64>,
     },
 }
 
@@ -33,7 +39,7 @@ impl Distribution {
     pub fn signed_margin(&self) -> f64 {
         match self {
             Self::Feasible { margin, .. } => *margin,
-            Self::Infeasible { shortfall } => -shortfall,
+            Self::Infeasible { shortfall, .. } => -shortfall,
         }
     }
 }
@@ -95,21 +101,36 @@ pub fn widest_margin(
     limits: &TensionLimits,
 ) -> Result<Distribution, SolverError> {
     let Some(solutions) = Solutions::new(wrench_matrix, wrench) else {
-        return Ok(Distribution::Infeasible { shortfall: f64::INFINITY });
+        return Ok(Distribution::Infeasible { shortfall: f64::INFINITY, weights: vec![] });
     };
     let freedom = solutions.null_space.ncols();
-    let z = if freedom == 0 { vec![] } else { widest(&solutions, freedom, limits)? };
-    let tensions = solutions.tensions(&z);
+    let optimum = (freedom > 0).then(|| widest(&solutions, freedom, limits)).transpose()?;
+    let tensions = solutions.tensions(optimum.as_ref().map_or(&[], |optimum| &optimum.x));
     let margin = margin(&tensions, limits);
-    Ok(if margin >= 0.0 {
-        Distribution::Feasible { tensions, margin }
-    } else {
-        Distribution::Infeasible { shortfall: -margin }
-    })
+    if margin >= 0.0 {
+        return Ok(Distribution::Feasible { tensions, margin });
+    }
+    let cables = tensions.len();
+    let weights = match optimum {
+        Some(Optimum { multipliers, .. }) => {
+            (0..cables).map(|i| multipliers[cables + i] - multipliers[i]).collect()
+        }
+        None => worst(&tensions, limits),
+    };
+    Ok(Distribution::Infeasible { shortfall: -margin, weights })
 }
 
-/// z of the greatest margin s: maximise s subject to u_min + s ≤ u₀ + N z ≤ u_max - s.
-fn widest(solutions: &Solutions, freedom: usize, limits: &TensionLimits) -> Result<Vec<f64>, SolverError> {
+/// Weights of the one limit that is broken most.
+fn worst(tensions: &[f64], limits: &TensionLimits) -> Vec<f64> {
+    let beyond = |u: f64| (limits.min - u).max(u - limits.max);
+    let side = |u: f64| if u > limits.max { 1.0 } else { -1.0 };
+    let most = tensions.iter().map(|u| beyond(*u)).fold(f64::NEG_INFINITY, f64::max);
+    let first = tensions.iter().position(|u| beyond(*u) == most);
+    tensions.iter().enumerate().map(|(i, u)| if Some(i) == first { side(*u) } else { 0.0 }).collect()
+}
+
+/// z of the greatest margin s, and a multiplier for each limit: maximise s subject to u_min + s ≤ u₀ + N z ≤ u_max - s.
+fn widest(solutions: &Solutions, freedom: usize, limits: &TensionLimits) -> Result<Optimum, SolverError> {
     let (mut rows, bounds) = solutions.limits(limits);
     let (unit, bounds) = scaled(bounds);
     rows.iter_mut().for_each(|row| row.push(1.0));
@@ -117,9 +138,10 @@ fn widest(solutions: &Solutions, freedom: usize, limits: &TensionLimits) -> Resu
     slope.push(-1.0);
     let optimum = minimise(&vec![0.0; freedom + 1], &slope, &rows, &bounds)?;
     // s may be as negative as it needs: there always is a solution.
-    let mut x = optimum.ok_or_else(|| SolverError::Unsolved("PrimalInfeasible".to_owned()))?.x;
-    x.truncate(freedom);
-    Ok(x.into_iter().map(|z| z * unit).collect())
+    let mut optimum = optimum.ok_or_else(|| SolverError::Unsolved("PrimalInfeasible".to_owned()))?;
+    optimum.x.truncate(freedom);
+    optimum.x.iter_mut().for_each(|z| *z *= unit);
+    Ok(optimum)
 }
 
 /// The largest bound in absolute value, N, and the bounds as shares of it: the solver's tolerances are those of numbers about one.
@@ -208,6 +230,19 @@ mod tests {
         best
     }
 
+    /// Checks that the weights c are Wᵀ y, and that yᵀ w is `shortfall` more than cᵀ u can be within the limits.
+    fn shows_infeasible(matrix: &Matrix6xX<f64>, wrench: &Vector6<f64>, shortfall: f64, weights: &[f64]) {
+        let weights = DVector::from_column_slice(weights);
+        let y = (matrix * matrix.transpose()).lu().solve(&(matrix * &weights)).unwrap();
+        assert!((matrix.tr_mul(&y) - &weights).amax() < 1e-6 && (weights.lp_norm(1) - 1.0).abs() < 1e-6);
+        let most: f64 = weights.iter().map(|c| (c * LIMITS.min).max(c * LIMITS.max)).sum();
+        assert!(
+            (y.dot(wrench) - most - shortfall).abs() < 1e-5,
+            "{} is not {shortfall}",
+            y.dot(wrench) - most
+        );
+    }
+
     #[test]
     fn margin_is_that_of_the_best_vertex() {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(8);
@@ -223,7 +258,10 @@ mod tests {
                     assert!((&matrix * DVector::from(tensions.clone()) - wrench).norm() < 1e-9);
                     assert!(tensions.iter().all(|u| *u >= 1.0 + margin - 1e-9 && *u <= 20.0 - margin + 1e-9));
                 }
-                Distribution::Infeasible { .. } => infeasible += 1,
+                Distribution::Infeasible { shortfall, weights } => {
+                    infeasible += 1;
+                    shows_infeasible(&matrix, &wrench, shortfall, &weights);
+                }
             }
         }
         assert!(feasible > 100 && infeasible > 100, "{feasible} and {infeasible}");
@@ -248,7 +286,13 @@ mod tests {
                     }
                     assert_eq!(nearest_mid_range(&matrix, &wrench, &rig.limits).unwrap(), Some(tensions));
                 }
-                Distribution::Infeasible { .. } => assert!(smallest < 0.0),
+                Distribution::Infeasible { shortfall, weights } => {
+                    assert!((shortfall + smallest).abs() < 1e-9);
+                    assert_eq!(
+                        weights.iter().position(|c| *c == -1.0),
+                        direct.iter().position(|u| *u == smallest)
+                    );
+                }
             }
         }
     }
@@ -314,7 +358,7 @@ mod tests {
         // Eight cables that all pull the same way through the centre.
         let matrix = Matrix6xX::from_fn(8, |r, _| f64::from(r == 2));
         let sideways = Vector6::new(1.0, 0.0, -8.0, 0.0, 0.0, 0.0);
-        let nothing = Distribution::Infeasible { shortfall: f64::INFINITY };
+        let nothing = Distribution::Infeasible { shortfall: f64::INFINITY, weights: vec![] };
         assert_eq!(widest_margin(&matrix, &sideways, &LIMITS).unwrap(), nothing);
         assert_eq!(nearest_mid_range(&matrix, &sideways, &LIMITS).unwrap(), None);
         let along = Vector6::new(0.0, 0.0, 80.0, 0.0, 0.0, 0.0);

@@ -132,8 +132,8 @@ impl ExactDomain {
             for i in 0..CABLES {
                 let extremes = self.facet(i, &x_d).extremes(&self.gains);
                 if extremes.min <= self.least() {
-                    cut =
-                        cut.min(self.crossing(s, extremes.min, self.at_start(i, from, extremes.argmin), aim));
+                    let inside = self.facet(i, from).at(&self.gains, extremes.argmin);
+                    cut = cut.min(crossing(s, inside, extremes.min, aim));
                 }
                 if extremes.max >= greatest {
                     // A limit from above has no worst time at hand: halve.
@@ -150,15 +150,6 @@ impl ExactDomain {
             s = cut;
         }
         Some(0.0)
-    }
-
-    fn at_start(&self, cable: usize, from: &Vector3<f64>, t: f64) -> f64 {
-        self.facet(cable, from).at(&self.gains, t)
-    }
-
-    /// Where a line with `inside` at 0 and `outside` at `s` meets `aim`; 0 if it does not in between.
-    fn crossing(&self, s: f64, outside: f64, inside: f64, aim: f64) -> f64 {
-        if inside <= aim { 0.0 } else { s * (inside - aim) / (inside - outside) }
     }
 
     fn height(&self, x_d: &Vector3<f64>) -> Curve {
@@ -189,6 +180,11 @@ impl ExactDomain {
         let kappa = Vector2::new(sideways / high, 1.0).norm();
         3.0 * self.robot.a * self.limits.max / (self.robot.m * kappa)
     }
+}
+
+/// Where a line with `inside` at 0 and `outside` at `s` meets `aim`; 0 if it does not in between.
+fn crossing(s: f64, inside: f64, outside: f64, aim: f64) -> f64 {
+    if inside <= aim { 0.0 } else { s * (inside - aim) / (inside - outside) }
 }
 
 #[cfg(test)]

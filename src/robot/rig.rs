@@ -136,6 +136,15 @@ impl Rig {
         Vector6::new(0.0, 0.0, -self.mass * self.g, 0.0, 0.0, 0.0)
     }
 
+    /// Smallest over largest singular value of the wrench matrix, torques taken at the platform's radius: below
+    /// [`SINGULARITY_THRESHOLD`] there is a force or torque that no tensions give.
+    pub fn regularity(&self, pose: &Pose) -> f64 {
+        let mut matrix = self.wrench_matrix(pose);
+        matrix.rows_mut(3, 3).unscale_mut(self.platform_radius());
+        let singular_values = matrix.singular_values();
+        singular_values.min() / singular_values.max()
+    }
+
     /// Whether the cables can hold the platform at `home` against any small force and torque, limits apart.
     ///
     /// # Errors
@@ -160,10 +169,7 @@ impl Rig {
         if dimensions(&[self.anchors.clone(), ends].concat()) < 3 {
             return Err(DegenerateRig::Coplanar);
         }
-        let mut matrix = self.wrench_matrix(home);
-        matrix.rows_mut(3, 3).unscale_mut(self.platform_radius());
-        let singular_values = matrix.singular_values();
-        let ratio = singular_values.min() / singular_values.max();
+        let ratio = self.regularity(home);
         if ratio >= SINGULARITY_THRESHOLD { Ok(()) } else { Err(DegenerateRig::Singular { ratio }) }
     }
 }

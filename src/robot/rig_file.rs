@@ -1,6 +1,7 @@
 //! Rigs written as TOML: what a file may say, and what is wrong with one that is refused (docs/rigs.md).
 
 use nalgebra::Vector3;
+use schemars::{JsonSchema, schema_for};
 use serde::Deserialize;
 use thiserror::Error;
 use toml::Spanned;
@@ -51,45 +52,84 @@ pub enum RigFileError {
     },
 }
 
-#[derive(Deserialize)]
+/// A rig for cable-robot. SI units, angles in rad; the base frame has its origin where you like on the base, z pointing down.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "cable-robot rig")]
 struct File {
+    /// What people call the rig.
     name: String,
+    /// Gravitational acceleration along +z, m/s²: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     gravity: Spanned<f64>,
+    /// x, y, z of the centre of mass, m, base frame: a place where, with zero orientation, the wrench matrix is regular.
+    #[schemars(with = "[f64; 3]")]
     home: Spanned<[f64; 3]>,
+    /// What hangs from the cables.
     platform: Platform,
+    /// What drives and cables allow.
     tension: Tension,
+    /// Gains of the control law.
     gains: Gains,
+    /// Six or more, in the order of the cable numbers.
+    #[schemars(with = "Vec<Cable>", length(min = 6))]
     cables: Vec<Spanned<Cable>>,
 }
 
-#[derive(Deserialize)]
+/// What hangs from the cables.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Platform {
+    /// Mass, kg: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     mass: Spanned<f64>,
+    /// Principal moments of inertia about the centre of mass, along the platform's axes x, y, z, kg m²: each greater than 0.
+    #[schemars(with = "[f64; 3]", extend("items" = {"type": "number", "exclusiveMinimum": 0}))]
     inertia: Spanned<[f64; 3]>,
+    /// Centre of mass, m, platform frame; (0, 0, 0) if left out.
+    #[schemars(with = "[f64; 3]", default, extend("default" = [0, 0, 0]))]
     center_of_mass: Option<Spanned<[f64; 3]>>,
 }
 
-#[derive(Deserialize)]
+/// What drives and cables allow.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Tension {
+    /// Least tension of a cable, N: 0 (slack) or greater.
+    #[schemars(with = "f64", extend("minimum" = 0))]
     min: Spanned<f64>,
+    /// Greatest tension of a cable, N: greater than `min`.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     max: Spanned<f64>,
 }
 
-#[derive(Deserialize)]
+/// Gains of the control law.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Gains {
+    /// λ₀ of Eq. (2), 1/s: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     lambda: Spanned<f64>,
+    /// η₀ of Eq. (4), 1/s: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     eta: Spanned<f64>,
 }
 
-#[derive(Deserialize)]
+/// A cable from an anchor on the base to an attachment on the platform.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Cable {
+    /// x, y, z of the end on the base, m, base frame.
+    #[schemars(with = "[f64; 3]")]
     anchor: Spanned<[f64; 3]>,
+    /// x, y, z of the end on the platform, m, platform frame.
+    #[schemars(with = "[f64; 3]")]
     attachment: Spanned<[f64; 3]>,
+}
+
+/// JSON Schema of rig files, for editors: everything that can be said of one field at a time.
+pub fn schema() -> schemars::Schema {
+    schema_for!(File)
 }
 
 impl RigFile {
@@ -185,7 +225,8 @@ impl Check<'_> {
     }
 
     fn limits(&self, tension: &Tension) -> Result<TensionLimits, RigFileError> {
-        let limits = TensionLimits { min: *tension.min.get_ref(), max: *tension.max.get_ref() };
+        // A least tension of -0 is 0, and reads better.
+        let limits = TensionLimits { min: *tension.min.get_ref() + 0.0, max: *tension.max.get_ref() };
         let ok = limits.min.is_finite() && limits.min >= 0.0;
         let allowed = "must be finite and 0 or greater (N): cables cannot push";
         self.require(ok, tension.min.span().start, "tension.min", limits.min, allowed)?;
@@ -218,6 +259,21 @@ mod tests {
         let geometry = Geometry::new(&file.rig.as_triangular().unwrap());
         for i in 0..6 {
             assert!((geometry.anchor[i] - Geometry::new(&robot).anchor[i]).amax() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_schema_that_is_checked_in_is_that_of_the_file() {
+        let there: serde_json::Value =
+            serde_json::from_str(include_str!("../../rigs/rig.schema.json")).unwrap();
+        let schema = schema().to_value();
+        assert!(there == schema, "drifted: `cargo run -- schema rig > rigs/rig.schema.json`");
+        // A misspelt field is an error, and every one says what it is.
+        for part in schema["$defs"].as_object().unwrap().values().chain([&schema]) {
+            assert_eq!(part["additionalProperties"], false);
+            for (name, field) in part["properties"].as_object().unwrap() {
+                assert!(field.get("description").is_some(), "{name}");
+            }
         }
     }
 
@@ -262,6 +318,12 @@ mod tests {
     }
 
     #[test]
+    fn a_least_tension_of_minus_zero_is_zero() {
+        let rig = RigFile::parse(&PAPER.replacen("min = 0.0", "min = -0.0", 1)).unwrap().rig;
+        assert!(rig.limits.min.is_sign_positive());
+    }
+
+    #[test]
     fn unknown_missing_and_mistyped_fields_are_named_with_their_line() {
         let unknown = refusal("mass = 6.0", "wheight = 6.0\nmass = 6.0");
         assert!(
@@ -281,6 +343,12 @@ mod tests {
         let five: String = PAPER.rsplit_once("[[cables]]").unwrap().0.to_owned();
         let error = RigFile::parse(&five).unwrap_err().to_string();
         assert!(error.contains("5 given, at least 6"), "{error}");
+        let anchors = [0.26, 0.2, 0.1, 0.0, -0.2, -0.5].map(|x| format!("anchor = [{x}, 0.0, 0.0]"));
+        let mut next = anchors.iter();
+        let on_a_line: Vec<_> =
+            PAPER.lines().map(|l| if l.starts_with("anchor =") { next.next().unwrap() } else { l }).collect();
+        let error = RigFile::parse(&on_a_line.join("\n")).unwrap_err().to_string();
+        assert!(error.contains("anchors all lie on one line") && error.starts_with("line "), "{error}");
         let error = refusal("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, 0.0]");
         assert!(error.contains("one plane at the home pose"), "{error}");
     }

@@ -1,19 +1,21 @@
-//! `cable-robot certify`: a proof for one step of any rig of six cables, or where it fails.
+//! `cable-robot certify`: a proof for one step of any rig, or where it fails.
 
 use anyhow::Result;
 use cable_robot::control::Gains;
-use cable_robot::reach::certificate::{Margins, Step, Verdict, certify_with_margins};
-use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
+use cable_robot::robot::{CABLES, Coordinates, Pose};
 use clap::Args;
 use serde_json::json;
 
-use crate::arguments::{pose, rates};
+use crate::arguments::{bound, pose, rates, share};
 use crate::rig::RigArgument;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot certify --from 0,0,1 --to 0.1,0.05,0.9,0.05,0,0.1
          cable-robot certify --from 0,0,1 --to 0.1,0,1 --mass-error 0.005 --force 0.2 --sample-period 0.001
+         cable-robot certify --rig rigs/eight.toml --from 0,0,2 --to 0.5,0.3,1.8,0,0.1,0.2
+Errors, disturbances, friction, sample period and delay need a rig of six cables.
 Exit code 3: not proved. The certificate never says \"admissible\" of a step that is not.";
 
 #[derive(Args)]
@@ -30,25 +32,25 @@ pub struct Certify {
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Pose,
     /// Relative error of mass and moments of inertia
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = share, allow_negative_numbers = true)]
     mass_error: f64,
     /// Error of the centre of mass, m
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     centre_of_mass_error: f64,
     /// Disturbing force, N
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     force: f64,
     /// Disturbing torque, N m
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     torque: f64,
     /// Friction that no force loop makes up for, N a cable
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     friction: f64,
     /// Longest time for which a command is held, s
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     sample_period: f64,
     /// Age of the pose and velocity that a command is computed from, s
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     delay: f64,
     /// Prints numbers for machines
     #[arg(long)]
@@ -64,7 +66,7 @@ impl Certify {
         if self.json {
             self.show_json(&verdict)?
         } else {
-            self.show(&verdict)?
+            self.show(&verdict, file.rig.anchors.len() > CABLES)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }
@@ -81,16 +83,33 @@ impl Certify {
         }
     }
 
-    fn show(&self, verdict: &Verdict) -> Result<()> {
+    fn show(&self, verdict: &Verdict, many: bool) -> Result<()> {
         print(&match verdict {
+            Verdict::Admissible { least, greatest } if many => {
+                format!("admissible: at all times there are tensions between {least:.3} and {greatest:.3} N")
+            }
             Verdict::Admissible { least, greatest } => {
                 format!("admissible: every tension stays between {least:.3} and {greatest:.3} N")
             }
             Verdict::NotAdmissible { cable, time, tension } => {
                 format!("not admissible: cable {cable} has {tension:.3} N after {time:.3} s")
             }
+            Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => {
+                let held = [("least", at_least), ("greatest", at_greatest)];
+                let held: Vec<_> = held.into_iter().filter(|(_, cables)| !cables.is_empty()).collect();
+                let held: Vec<_> = held.iter().map(|(limit, cables)| at_limit(limit, cables)).collect();
+                format!(
+                    "not admissible: after {time:.3} s no tensions keep the limits, at best they break them by {shortfall:.3} N; {} forbid it",
+                    held.join(" and ")
+                )
+            }
             Verdict::Undecided { time, resolution, cause } => {
-                format!("undecided: {cause:?} about {time:.3} s after the step (span of {resolution:.1e} s)")
+                let place = match *resolution {
+                    0.0 => format!("at {time:.3} s after the step"),
+                    f64::INFINITY => format!("from {time:.3} s after the step on"),
+                    span => format!("about {time:.3} s after the step, in spans of {span:.1e} s"),
+                };
+                format!("undecided: {} ({place})", in_words(*cause))
             }
         })
     }
@@ -103,9 +122,34 @@ impl Certify {
             Verdict::NotAdmissible { cable, time, tension } => {
                 json!({"verdict": "not admissible", "cable": cable, "time": time, "tension": tension})
             }
+            Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => {
+                json!({"verdict": "not admissible", "time": time, "shortfall": shortfall, "atLeast": at_least, "atGreatest": at_greatest})
+            }
             Verdict::Undecided { time, resolution, cause } => {
                 json!({"verdict": "undecided", "time": time, "resolution": resolution, "cause": format!("{cause:?}")})
             }
         })
+    }
+}
+
+/// Whose limits they are: "cables 2, 5 at their least".
+fn at_limit(limit: &str, cables: &[usize]) -> String {
+    let numbers: Vec<_> = cables.iter().map(usize::to_string).collect();
+    match cables {
+        [cable] => format!("cable {cable} at its {limit}"),
+        _ => format!("cables {} at their {limit}", numbers.join(", ")),
+    }
+}
+
+fn in_words(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Singular => {
+            "the wrench matrix is singular, or nearly so; there is a force or torque that no tensions give"
+        }
+        Cause::TooClose => "a tension comes nearer to its limit than rounding or the margins allow to tell",
+        Cause::Solver => "clarabel found no tensions to look at",
+        Cause::HalfTurn => {
+            "an angle may get half a turn from its set point, where the law turns back the other way round"
+        }
     }
 }

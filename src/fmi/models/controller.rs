@@ -1,11 +1,11 @@
 //! The controller's variables, and the way from values to a [`Controller`] and back.
 
-use super::robot::{A, B, G, I1, I2, I3, M, REST_LENGTH, REST_TENSION, TIME, parameters};
+use super::robot::{A, B, G, I1, I2, I3, M, REST_LENGTH, REST_TENSION, TIME, parameters, write_robot};
 use crate::fmi::values::Values;
 use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, SECOND};
 use crate::fmi::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
 use crate::plan::{
-    Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource,
+    Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
 use crate::robot::ParameterError;
 
@@ -14,7 +14,10 @@ const PLANNER_TYPE: Enumeration = Enumeration {
     description: "The reachable domain that the planner uses",
     items: &[
         ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest"),
-        ("Exact", "Exactly the admissible translations, from any state: a set point at every tick"),
+        (
+            "Exact",
+            "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
+        ),
     ],
 };
 const POSE_SOURCE_TYPE: Enumeration = Enumeration {
@@ -210,7 +213,7 @@ const GOAL_DISTANCE: Row = output(
     Shape::Scalar,
     Some(&METRE),
     &[],
-    "From the goal to where the robot goes instead; 0 if the goal can be had",
+    "From the goal to where the robot goes instead, of the attachment with the farthest way; 0 if the goal can be had",
 );
 const STATUS: Row = Row {
     kind: Kind::Enumeration(&STATUS_TYPE),
@@ -259,14 +262,15 @@ pub fn start(values: &Values, time: f64) -> Result<Controller, ParameterError> {
     Controller::new(controller_parameters(values), time, &inputs(values))
 }
 
-fn controller_parameters(values: &Values) -> ControllerParameters {
+/// Robot, gains, planner and limits in `values`.
+pub fn controller_parameters(values: &Values) -> ControllerParameters {
     ControllerParameters {
         robot: parameters(values),
         lambda: values.scalar(&LAMBDA),
         eta: values.scalar(&ETA),
         planner_period: values.scalar(&PLANNER_PERIOD),
         bisection_steps: values.integer(&BISECTION_STEPS),
-        min_tension: values.scalar(&MIN_TENSION),
+        min_tension: values.scalar(&MIN_TENSION) + 0.0, // -0 is 0
         max_tension: values.scalar(&MAX_TENSION),
         planner: if values.integer(&PLANNER) == 2 { PlannerKind::Exact } else { PlannerKind::Bounded },
         pose_source: if values.integer(&POSE_SOURCE) == 2 {
@@ -303,6 +307,47 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
 }
 
+/// Copies parameters into `values`.
+pub fn write_parameters(parameters: &ControllerParameters, values: &mut Values) {
+    write_robot(&parameters.robot, values);
+    values.write(&LAMBDA, [parameters.lambda]);
+    values.write(&ETA, [parameters.eta]);
+    values.write(&PLANNER_PERIOD, [parameters.planner_period]);
+    values.write(&BISECTION_STEPS, [parameters.bisection_steps.into()]);
+    values.write(&MIN_TENSION, [parameters.min_tension]);
+    values.write(&MAX_TENSION, [parameters.max_tension]);
+    values.write(&PLANNER, [f64::from(parameters.planner as i32)]);
+    let cable_lengths = parameters.pose_source == PoseSource::CableLengths;
+    values.write(&POSE_SOURCE, [if cable_lengths { 2.0 } else { 1.0 }]);
+    values.write(&FORCE_LOOP, [parameters.force_loop.into()]);
+}
+
+/// Copies inputs into `values`.
+pub fn write_inputs(inputs: &ControllerInputs, values: &mut Values) {
+    values.write(&ENCODER_POSE, inputs.encoder_pose.0.iter().copied());
+    values.write(&CABLE_LENGTH, inputs.cable_length);
+    values.write(&MEASURED_TENSION, inputs.measured_tension);
+    values.write(&GOAL_POSE, inputs.goal_pose.0.iter().copied());
+    values.write(&ENABLE, [inputs.enable.into()]);
+}
+
+/// What [`write()`] wrote; a number that stands for no status is read as [`Status::Moving`].
+pub fn outputs(values: &Values) -> ControllerOutputs {
+    let number = values.integer(&STATUS);
+    ControllerOutputs {
+        motor_tension: values.cables(&MOTOR_TENSION),
+        set_point: values.pose(&SET_POINT),
+        set_point_index: values.integer(&SET_POINT_INDEX),
+        estimated_pose: values.pose(&ESTIMATED_POSE),
+        estimated_velocity: values.pose(&ESTIMATED_VELOCITY).0,
+        steady: values.boolean(&STEADY),
+        at_goal: values.boolean(&AT_GOAL),
+        goal_distance: values.scalar(&GOAL_DISTANCE),
+        tension_margin: values.scalar(&TENSION_MARGIN),
+        status: Status::ALL.into_iter().find(|status| *status as i32 == number).unwrap_or(Status::Moving),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -315,5 +360,22 @@ mod tests {
         assert_eq!(inputs(&values).encoder_pose, Pose::default());
         assert_eq!(inputs(&values).goal_pose, Pose::default());
         assert!(inputs(&values).enable);
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let mut values = Values::new(ROWS);
+        for (k, reference) in ROWS.iter().flat_map(|row| row.references()).enumerate() {
+            values.put(reference, k as f64);
+        }
+        let flags = [(&FORCE_LOOP, 1.0), (&ENABLE, 0.0), (&STEADY, 1.0), (&AT_GOAL, 1.0), (&STATUS, 5.0)];
+        let numbers = [(&PLANNER, 2.0), (&POSE_SOURCE, 2.0)];
+        flags.iter().chain(&numbers).for_each(|(row, value)| values.put(row.first, *value));
+        let mut copy = Values::new(ROWS);
+        copy.put(TIME.first, values.at(TIME.first));
+        write_parameters(&controller_parameters(&values), &mut copy);
+        write_inputs(&inputs(&values), &mut copy);
+        write(&outputs(&values), &mut copy);
+        assert_eq!(copy, values);
     }
 }

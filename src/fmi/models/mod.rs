@@ -27,7 +27,7 @@ pub enum Model {
 /// Both models, in the order of their FMUs.
 pub const MODELS: [Model; 2] = [Model::Controller, Model::Plant];
 
-/// A model under way: plain data without heap, so a copy is cheap.
+/// A model under way: a copy is cheap and allocates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "boxing would allocate in every step")]
 pub enum Running {

@@ -1,6 +1,6 @@
 //! The plant's variables, and the way from values to a [`Plant`] and back.
 
-use super::robot::{A, B, G, I1, I2, I3, M, REST_TENSION, TIME, parameters};
+use super::robot::{A, B, G, I1, I2, I3, M, REST_TENSION, TIME, parameters, write_robot};
 use crate::fmi::values::Values;
 use crate::fmi::variables::units::{
     METRE, METRE_PER_SECOND, NEWTON, NEWTON_METRE, RADIAN_PER_SECOND, SECOND,
@@ -180,6 +180,36 @@ pub fn write(outputs: &PlantOutputs, values: &mut Values) {
     values.write(&SLACK, outputs.slack.map(f64::from));
 }
 
+/// Copies parameters into `values`.
+pub fn write_parameters(parameters: &PlantParameters, values: &mut Values) {
+    write_robot(&parameters.robot, values);
+    values.write(&INITIAL_POSE, parameters.initial_pose.0.iter().copied());
+    values.write(&FRICTION, [parameters.friction]);
+    values.write(&MOTOR_LAG, [parameters.motor_lag]);
+    values.write(&ENCODER_RESOLUTION, [parameters.encoder_resolution]);
+    values.write(&LOAD_CELL_NOISE, [parameters.load_cell_noise]);
+    values.write(&NOISE_SEED, [parameters.noise_seed.into()]);
+}
+
+/// Copies inputs into `values`.
+pub fn write_inputs(inputs: &PlantInputs, values: &mut Values) {
+    values.write(&MOTOR_TENSION, inputs.motor_tension);
+    values.write(&DISTURBANCE_FORCE, inputs.disturbance_force.iter().copied());
+    values.write(&DISTURBANCE_TORQUE, inputs.disturbance_torque.iter().copied());
+}
+
+/// What [`write()`] wrote.
+pub fn outputs(values: &Values) -> PlantOutputs {
+    PlantOutputs {
+        encoder_pose: values.pose(&ENCODER_POSE),
+        velocity: values.vector(&VELOCITY),
+        angular_velocity: values.vector(&ANGULAR_VELOCITY),
+        cable_length: values.cables(&CABLE_LENGTH),
+        measured_tension: values.cables(&MEASURED_TENSION),
+        slack: values.cables(&SLACK).map(|slack| slack != 0.0),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,5 +217,20 @@ mod tests {
     #[test]
     fn the_start_values_are_the_defaults_of_the_domain() {
         assert_eq!(plant_parameters(&Values::new(ROWS)), PlantParameters::default());
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let mut values = Values::new(ROWS);
+        for (k, reference) in ROWS.iter().flat_map(|row| row.references()).enumerate() {
+            values.put(reference, k as f64);
+        }
+        values.write(&SLACK, [1.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
+        let mut copy = Values::new(ROWS);
+        copy.put(TIME.first, values.at(TIME.first));
+        write_parameters(&plant_parameters(&values), &mut copy);
+        write_inputs(&inputs(&values), &mut copy);
+        write(&outputs(&values), &mut copy);
+        assert_eq!(copy, values);
     }
 }

@@ -50,6 +50,14 @@ pub fn parameters(values: &Values) -> RobotParameters {
     }
 }
 
+/// Copies Table I into `values`.
+pub fn write_robot(robot: &RobotParameters, values: &mut Values) {
+    let RobotParameters { a, b, m, i1, i2, i3, g } = *robot;
+    for (row, value) in [(&A, a), (&B, b), (&M, m), (&I1, i1), (&I2, i2), (&I3, i3), (&G, g)] {
+        values.write(row, [value]);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,12 @@
-//! A proof, for any rig of six cables and any step in all six coordinates, that no tension leaves its limits on the way.
+//! A proof, for any rig and any step in all six coordinates, that no tension leaves its limits on the way.
 //!
-//! The motion under the law (4) is known in closed form, so the tensions are known functions of time. They are enclosed, rounding
-//! included, over a few spans that cover all time from the step on. `docs/certificate.md` derives the method.
+//! The motion under the law (4) is known in closed form, so the tensions of six cables are known functions of time. They are enclosed,
+//! rounding included, over a few spans that cover all time from the step on. More cables may share the load in many ways: one that
+//! keeps the limits is shown over each span. `docs/certificate.md` derives the method.
 
 pub mod margins;
 pub mod motion;
+pub mod redundant;
 pub mod search;
 pub mod statics;
 pub mod taylor;
@@ -17,11 +19,13 @@ pub use motion::Step;
 use crate::robot::{CABLES, Rig, TensionLimits};
 use margins::{Extent, Tube};
 use statics::Cables;
+use taylor::Taylor;
 
 /// What is known of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Proved: every tension stays strictly within the limits, and between these bounds (N), for ever.
+    /// Proved: every tension stays strictly within the limits, and between these bounds (N), for ever. With more than six cables: the
+    /// tensions can be chosen so.
     Admissible {
         /// A lower bound of all tensions, N.
         least: f64,
@@ -36,6 +40,17 @@ pub enum Verdict {
         time: f64,
         /// Its tension then, N.
         tension: f64,
+    },
+    /// Proved of more than six cables: at this time a limit is broken however they share the load.
+    NoDistribution {
+        /// When, s after the step.
+        time: f64,
+        /// By how much some limit is broken at least, N.
+        shortfall: f64,
+        /// Numbers, from 1, of the cables whose least tension stands against it: they would have to pull less,
+        at_least: Vec<usize>,
+        /// and of those whose greatest does: they would have to pull more.
+        at_greatest: Vec<usize>,
     },
     /// Neither could be proved.
     Undecided {
@@ -55,6 +70,8 @@ pub enum Cause {
     Singular,
     /// A tension touches its limit, or comes nearer to it than rounding or the margins allow to tell.
     TooClose,
+    /// Clarabel found no tensions to look at.
+    Solver,
     /// An angle may get half a turn away from its set point, where the law turns back the other way round.
     HalfTurn,
 }
@@ -62,13 +79,23 @@ pub enum Cause {
 /// A question that makes no sense.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CertificateError {
-    /// The certificate solves for exactly six tensions.
-    #[error("the rig has {anchors} anchors and {attachments} attachments: the certificate needs 6 of each")]
+    /// Fewer than six cables hold no platform, and each needs both ends.
+    #[error(
+        "the rig has {anchors} anchors and {attachments} attachments: at least 6 are needed, as many of one as of the other"
+    )]
     Cables {
         /// Anchors given.
         anchors: usize,
         /// Attachments given.
         attachments: usize,
+    },
+    /// With more than six cables a disturbance does what the way in which they share the load makes of it.
+    #[error(
+        "margins are known for 6 cables only, the rig has {cables}: with more, what a disturbance does depends on how the tensions are shared"
+    )]
+    Margins {
+        /// How many there are.
+        cables: usize,
     },
     /// A number is out of range.
     #[error("{name} = {value} is not allowed: {allowed}")]
@@ -82,14 +109,27 @@ pub enum CertificateError {
     },
 }
 
-/// Decides whether the whole motion from `step` keeps every tension u within u_min < u < u_max.
+/// Decides whether the whole motion from `step` keeps every tension u within u_min < u < u_max; of more than six cables, whether at every
+/// time there are such tensions.
 ///
 /// # Errors
-/// [`CertificateError`] for a rig that does not have six cables and for numbers that make no sense.
+/// [`CertificateError`] for a rig of fewer than six cables and for numbers that make no sense.
 pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
-    check(rig, step)?;
+    certify_within(rig, &rig.limits, step)
+}
+
+/// The same within other limits than the rig's.
+///
+/// # Errors
+/// As [`certify`].
+pub fn certify_within(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<Verdict, CertificateError> {
+    check(rig, limits, step)?;
+    if rig.anchors.len() > CABLES {
+        return Ok(any_distribution(rig, limits, step).map_or_else(|no| no, |range| range.admissible()));
+    }
     let mut range = Range::none();
-    Ok(closed_form(rig, step, |cables| range.include(cables)).map_or_else(|no| no, |()| range.admissible()))
+    let shown = closed_form(rig, limits, step, |cables| range.include(&cables.tension));
+    Ok(shown.map_or_else(|no| no, |()| range.admissible()))
 }
 
 /// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
@@ -98,18 +138,40 @@ pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
 /// "Not admissible" is proved of the closed form. Where that is admissible and the margins take too much, the answer is "undecided".
 ///
 /// # Errors
-/// As [`certify`], and for margins that make no sense.
+/// As [`certify`], for margins that make no sense and for any but 0 with more than six cables.
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
-    check(rig, step)?;
+    check(rig, &rig.limits, step)?;
     check_margins(margins)?;
+    let cables = rig.anchors.len();
+    if cables > CABLES {
+        return if *margins == Margins::default() {
+            certify(rig, step)
+        } else {
+            Err(CertificateError::Margins { cables })
+        };
+    }
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
 
-fn closed_form(rig: &Rig, step: &Step, inside: impl FnMut(&Cables)) -> Result<(), Verdict> {
+fn closed_form(
+    rig: &Rig,
+    limits: &TensionLimits,
+    step: &Step,
+    inside: impl FnMut(&Cables),
+) -> Result<(), Verdict> {
     if margins::reaches_half_turn(step, &Tube::empty()) {
         return Err(undecided_at_large(Cause::HalfTurn));
     }
-    search::walk(rig, step, &Tube::empty(), &rig.limits, inside)
+    search::walk(rig, step, &Tube::empty(), limits, inside)
+}
+
+fn any_distribution(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<Range, Verdict> {
+    if margins::reaches_half_turn(step, &Tube::empty()) {
+        return Err(undecided_at_large(Cause::HalfTurn));
+    }
+    let mut range = Range::none();
+    search::cover(step, |span| redundant::look(rig, limits, step, span, |tensions| range.include(tensions)))?;
+    Ok(range)
 }
 
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
@@ -117,14 +179,14 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
     let friction = margins.friction;
     let limits = TensionLimits { min: rig.limits.min + friction, max: rig.limits.max - friction };
     let mut extent = Extent::none();
-    closed_form(rig, step, |cables| extent.include(rig, cables))?;
+    closed_form(rig, &rig.limits, step, |cables| extent.include(rig, cables))?;
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
         let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
         let mut range = Range::none();
         extent = Extent::none();
         let inside = |cables: &Cables| {
-            range.include(cables);
+            range.include(&cables.tension);
             extent.include(rig, cables);
         };
         search::walk(rig, step, &tube, &limits, inside).map_err(Verdict::of_a_tube)?;
@@ -149,8 +211,8 @@ impl Range {
         Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY }
     }
 
-    fn include(&mut self, cables: &Cables) {
-        for [least, greatest] in cables.tension.map(|tension| tension.range()) {
+    fn include(&mut self, tensions: &[Taylor]) {
+        for [least, greatest] in tensions.iter().map(Taylor::range) {
             self.least = self.least.min(least);
             self.greatest = self.greatest.max(greatest);
         }
@@ -177,9 +239,9 @@ fn undecided_at_large(cause: Cause) -> Verdict {
     Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause }
 }
 
-fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
+fn check(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<(), CertificateError> {
     let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());
-    if (anchors, attachments) != (CABLES, CABLES) {
+    if anchors < CABLES || anchors != attachments {
         return Err(CertificateError::Cables { anchors, attachments });
     }
     let finite = |name, values: &[f64]| {
@@ -188,20 +250,17 @@ fn check(rig: &Rig, step: &Step) -> Result<(), CertificateError> {
     let positive = |name, value: f64| {
         require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
     };
-    for i in 0..CABLES {
+    for i in 0..anchors {
         finite("a coordinate of an anchor", rig.anchors[i].as_slice())?;
         finite("a coordinate of an attachment", rig.attachments[i].as_slice())?;
     }
     positive("mass", rig.mass)?;
     rig.inertia.iter().try_for_each(|moment| positive("inertia", *moment))?;
     require(rig.g.is_finite() && rig.g >= 0.0, "g", rig.g, "must be finite and 0 or greater")?;
-    require(rig.limits.min >= 0.0, "limits.min", rig.limits.min, "a cable cannot push: 0 or greater")?;
-    require(
-        rig.limits.max > rig.limits.min,
-        "limits.max",
-        rig.limits.max,
-        "must be greater than limits.min",
-    )?;
+    require(limits.min >= 0.0, "limits.min", limits.min, "a cable cannot push: 0 or greater")?;
+    require(limits.max > limits.min, "limits.max", limits.max, "must be greater than limits.min")?;
+    let known = anchors == CABLES || limits.max.is_finite();
+    require(known, "limits.max", limits.max, "must be finite with more than 6 cables")?;
     finite("a coordinate of the start", step.start.0.as_slice())?;
     finite("a rate of the start", step.rates.as_slice())?;
     finite("a coordinate of the set point", step.set_point.0.as_slice())?;

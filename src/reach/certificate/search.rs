@@ -3,6 +3,7 @@
 use super::margins::Tube;
 use super::motion::{Span, Step};
 use super::statics::{Cables, cables};
+use super::taylor::Taylor;
 use super::{Cause, Verdict};
 use crate::robot::{Rig, TensionLimits};
 
@@ -18,15 +19,23 @@ const FIRST_ARRIVAL: f64 = 4.0;
 const MOST_SPANS: usize = 400;
 
 /// What one span shows.
-enum Finding {
+pub enum Finding {
     /// All tensions within the limits.
     Inside,
-    /// A tension wholly beyond a limit, this at the time where it is farthest.
-    Beyond { cable: usize, time: f64, tension: f64 },
-    /// A tension that may be beyond, most of all at this time.
-    Perhaps { time: f64 },
-    /// No tensions can be told.
-    Singular,
+    /// The limits are broken at this time, where most of all: the verdict.
+    Beyond {
+        /// s after the step.
+        time: f64,
+        /// "Not admissible", once the span is an instant.
+        verdict: Verdict,
+    },
+    /// The limits may be broken, most of all at this time (s after the step).
+    Perhaps {
+        /// s after the step.
+        time: f64,
+    },
+    /// No tensions can be told, and why.
+    Untold(Cause),
 }
 
 /// Shows that all motions in `tube` keep strictly within `limits`, or else gives the verdict why not. `inside` is shown the cables over
@@ -41,30 +50,37 @@ pub fn walk(
     limits: &TensionLimits,
     mut inside: impl FnMut(&Cables),
 ) -> Result<(), Verdict> {
-    let mut look = |span| match cables(rig, &step.motion(span, tube)) {
-        Some(cables) => match judge(&cables, limits, span) {
+    cover(step, |span| match cables(rig, &step.motion(span, tube)) {
+        Some(cables) => match judge(&cables.tension, limits, span) {
             Some(finding) => finding,
             None => {
                 inside(&cables);
                 Finding::Inside
             }
         },
-        None => Finding::Singular,
-    };
+        None => Finding::Untold(Cause::Singular),
+    })
+}
+
+/// Covers all time from the step on with spans of which `look` says that they are inside.
+///
+/// # Errors
+/// As [`walk`].
+pub fn cover(step: &Step, mut look: impl FnMut(Span) -> Finding) -> Result<(), Verdict> {
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
     let refusal = |at_instant: Finding, instant| match at_instant {
         Finding::Inside => None,
-        Finding::Beyond { cable, time, tension } => Some(Verdict::NotAdmissible { cable, time, tension }),
+        Finding::Beyond { verdict, .. } => Some(verdict),
         Finding::Perhaps { time } => Some(undecided(time, 0.0, Cause::TooClose)),
-        Finding::Singular => Some(undecided(instant, 0.0, Cause::Singular)),
+        Finding::Untold(cause) => Some(undecided(instant, 0.0, cause)),
     };
     if !matches!(look(Span::From(end)), Finding::Inside) {
         let at_end = look(Span::Between(end, end));
         return Err(refusal(at_end, end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)));
     }
     let mut arrival = FIRST_ARRIVAL / step.slow_rate();
-    let (mut time, mut width) = (0.0, FIRST / step.fast_rate());
+    let (mut time, mut width, mut cause) = (0.0, FIRST / step.fast_rate(), Cause::TooClose);
     for _ in 0..MOST_SPANS {
         if time >= end {
             return Ok(());
@@ -75,15 +91,16 @@ pub fn walk(
             }
             arrival = 1.5 * time;
         }
-        let doubtful = match look(Span::Between(time, time + width)) {
+        let (doubtful, why) = match look(Span::Between(time, time + width)) {
             Finding::Inside => {
                 time += width;
                 width *= 2.0;
                 continue;
             }
-            Finding::Beyond { time, .. } | Finding::Perhaps { time } => time,
-            Finding::Singular => time + 0.5 * width,
+            Finding::Beyond { time, .. } | Finding::Perhaps { time } => (time, Cause::TooClose),
+            Finding::Untold(cause) => (time + 0.5 * width, cause),
         };
+        cause = why;
         // Cutting the span helps only if that very time is free of doubt.
         if let Some(verdict) = refusal(look(Span::Between(doubtful, doubtful)), doubtful) {
             return Err(verdict);
@@ -93,14 +110,14 @@ pub fn walk(
             return Err(undecided(doubtful, width, Cause::Singular));
         }
     }
-    Err(undecided(time, width, Cause::TooClose))
+    Err(undecided(time, width, cause))
 }
 
-/// The worst of the six tensions; `None` where all are within the limits.
-fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Option<Finding> {
+/// The worst of the tensions; `None` where all are within the limits.
+pub fn judge(tensions: &[Taylor], limits: &TensionLimits, span: Span) -> Option<Finding> {
     let mut worst = 0.0;
     let mut finding = None;
-    for (i, tension) in cables.tension.iter().enumerate() {
+    for (i, tension) in tensions.iter().enumerate() {
         let [least, greatest] = tension.range();
         if least > limits.min && greatest < limits.max {
             continue;
@@ -112,7 +129,7 @@ fn judge(cables: &Cables, limits: &TensionLimits, span: Span) -> Option<Finding>
             let beyond = greatest <= limits.min || least >= limits.max;
             let tension = 0.5 * (least + greatest);
             finding = Some(if beyond {
-                Finding::Beyond { cable: i + 1, time, tension }
+                Finding::Beyond { time, verdict: Verdict::NotAdmissible { cable: i + 1, time, tension } }
             } else {
                 Finding::Perhaps { time }
             });

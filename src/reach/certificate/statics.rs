@@ -29,24 +29,52 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
     let orientation = Orientation::new(motion);
     let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
     let mut length = [Taylor::ZERO; CABLES];
-    let mut all_along = [[Taylor::ZERO; 3]; CABLES];
+    let mut along = [[Taylor::ZERO; 3]; CABLES];
     let mut matrix = [[Taylor::ZERO; CABLES]; 6];
     for i in 0..CABLES {
-        let attachment = &rig.attachments[i];
-        let anchor = orientation.turned_to_platform(&rig.anchors[i]);
-        let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
-        let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
-        length[i] = norm(&along)?;
-        all_along[i] = along;
-        let torque = arm_cross(attachment, &from_centre);
-        for k in 0..3 {
-            matrix[k][i] = along[k];
-            matrix[k + 3][i] = torque[k];
+        let column = column(rig, i, &orientation, &position);
+        along[i] = [column[0], column[1], column[2]];
+        length[i] = norm(&along[i])?;
+        for k in 0..6 {
+            matrix[k][i] = column[k];
         }
     }
     let per_length = solve(&matrix, &required_wrench(rig, motion, &orientation))?;
     let tension = std::array::from_fn(|i| per_length[i] * length[i]);
-    Some(Cables { tension, length, along: all_along, orientation })
+    Some(Cables { tension, length, along, orientation })
+}
+
+/// W u = w of any number of cables over a span of time.
+pub struct System {
+    /// Columns of the wrench matrix, each `length` times too long.
+    pub columns: Vec<[Taylor; 6]>,
+    /// Lengths, m.
+    pub length: Vec<Taylor>,
+    /// What the cables must give.
+    pub wrench: [Taylor; 6],
+}
+
+impl System {
+    /// The system over the span of `motion`; `None` where a cable may have no length.
+    pub fn new(rig: &Rig, motion: &Motion) -> Option<Self> {
+        let orientation = Orientation::new(motion);
+        let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
+        let columns: Vec<_> =
+            (0..rig.anchors.len()).map(|i| column(rig, i, &orientation, &position)).collect();
+        let length = columns.iter().map(|c| norm(&[c[0], c[1], c[2]])).collect::<Option<_>>()?;
+        Some(Self { columns, length, wrench: required_wrench(rig, motion, &orientation) })
+    }
+}
+
+/// From attachment to anchor of cable `i` (from 0), and the torque of a pull along it, both in the platform's frame: a column of the
+/// wrench matrix, `length` times too long.
+fn column(rig: &Rig, i: usize, orientation: &Orientation, position: &Vector) -> [Taylor; 6] {
+    let attachment = &rig.attachments[i];
+    let anchor = orientation.turned_to_platform(&rig.anchors[i]);
+    let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
+    let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
+    let torque = arm_cross(attachment, &from_centre);
+    [along[0], along[1], along[2], torque[0], torque[1], torque[2]]
 }
 
 /// Bounds of how much the torque of the cables about the platform's axes changes when it moves while the tensions are held:
@@ -165,7 +193,7 @@ fn norm(v: &Vector) -> Option<Taylor> {
 /// With C near the inverse of W in the middle, A = C W is near 1 and A u = b = C w. A polynomial û that solves this to the order kept
 /// leaves r = b - A û, and u - û = r + (1 - A)(u - û). Where ρ = ‖1 - A‖∞ < 1, A is regular and |u - û| ≤ ‖r‖∞/(1 - ρ); once more
 /// through the same equation gives each component its own bound.
-fn solve(matrix: &[[Taylor; CABLES]; 6], wrench: &[Taylor; 6]) -> Option<PerCable<Taylor>> {
+pub fn solve(matrix: &[[Taylor; CABLES]; 6], wrench: &[Taylor; 6]) -> Option<PerCable<Taylor>> {
     let inverse = Matrix6::from_fn(|row, column| matrix[row][column].coefficients[0]).try_inverse()?;
     let row = |k: usize| std::array::from_fn(|j| inverse[(k, j)]);
     let a: [[Taylor; 6]; 6] = std::array::from_fn(|k| {

@@ -1,22 +1,33 @@
 //! `cable-robot study`: the claims about the reachable domains, as figures that anyone can make again.
 
+mod cases;
+mod margins;
+mod plant;
 mod soundness;
 mod tightness;
 mod time;
 
 use anyhow::Result;
+use cable_robot::reach::static_workspace;
+use cable_robot::robot::RobotParameters;
 use clap::Subcommand;
+use nalgebra::Vector2;
+use rand::RngExt;
+use rand_pcg::Pcg64;
 
 use crate::Outcome;
 
 #[derive(Subcommand)]
 pub enum Study {
-    /// Random cases that the exact domain admits, looked at densely for a slack cable
+    /// Random cases that a domain admits, looked at densely for a tension at or beyond a limit
     #[command(after_help = soundness::EXAMPLE)]
     Soundness(soundness::Soundness),
     /// Share of the truly admissible steps that the bounded and the exact domain accept
     #[command(after_help = tightness::EXAMPLE)]
     Tightness(tightness::Tightness),
+    /// Steps accepted with margins, run on the packed plant with everything wrong at once that they allow
+    #[command(after_help = margins::EXAMPLE)]
+    Margins(margins::Margins),
     /// Time to the goal with each planner
     #[command(after_help = time::EXAMPLE)]
     Time(time::Time),
@@ -27,7 +38,21 @@ impl Study {
         match self {
             Study::Soundness(study) => study.run(),
             Study::Tightness(study) => study.run(),
+            Study::Margins(study) => study.run(),
             Study::Time(study) => study.run(),
+        }
+    }
+}
+
+/// A point at least `inset` (m) inside the border of the static workspace; a negative one lets it lie as far outside.
+fn random_point(rng: &mut Pcg64, robot: &RobotParameters, inset: f64) -> Vector2<f64> {
+    let facets = static_workspace(robot);
+    // Corners of a hexagon lie farther out than its facets.
+    let corner = (0.5 * robot.a - inset) * 2.0 / 3f64.sqrt();
+    loop {
+        let point = Vector2::from_fn(|_, _| rng.random_range(-corner..corner));
+        if facets.iter().all(|facet| facet.slack(&point) > inset) {
+            return point;
         }
     }
 }

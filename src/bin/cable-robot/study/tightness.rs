@@ -1,17 +1,19 @@
 //! How much of what is truly admissible each domain accepts: horizontal steps from rest over the static workspace.
 
 use anyhow::Result;
+use cable_robot::control::response::instants;
 use cable_robot::control::{Gains, Response};
 use cable_robot::reach::exact::NEVER_SLACK;
-use cable_robot::reach::{BoundedDomain, ExactDomain, in_static_workspace};
+use cable_robot::reach::{BoundedDomain, ExactDomain};
 use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, tensions};
 use clap::Args;
 use nalgebra::{Vector2, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::random_point;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -20,7 +22,7 @@ The truth is dense sampling of the 6x6 inverse dynamics. \"refused\" counts trul
 (they fall between two samples), \"wrong\" those accepted by either that are not admissible.";
 
 /// Instants at which the truth is sampled, denser at the start.
-const INSTANTS: u32 = 400;
+const INSTANTS: usize = 400;
 
 #[derive(Args)]
 pub struct Tightness {
@@ -84,7 +86,7 @@ impl Tightness {
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let mut cell = Cell { gain, z, ..Cell::default() };
         for _ in 0..self.pairs {
-            let (from, to) = (point(&mut rng, &robot), point(&mut rng, &robot));
+            let (from, to) = (random_point(&mut rng, &robot, 0.0), random_point(&mut rng, &robot, 0.0));
             let start = Vector3::new(from.x, from.y, z);
             let exact = ExactDomain::new(&robot, &gains, NEVER_SLACK, start, Vector3::zeros());
             let exact = exact.contains(&Vector3::new(to.x, to.y, z));
@@ -101,24 +103,13 @@ impl Tightness {
     }
 }
 
-fn point(rng: &mut Pcg64, robot: &RobotParameters) -> Vector2<f64> {
-    loop {
-        let point = Vector2::new(rng.random_range(-0.26..0.26), rng.random_range(-0.26..0.26));
-        if in_static_workspace(robot, &point) {
-            return point;
-        }
-    }
-}
-
 /// Whether every sampled tension is positive.
 fn is_taut(robot: &RobotParameters, gains: &Gains, from: &Vector2<f64>, to: &Vector2<f64>, z: f64) -> bool {
     let geometry = Geometry::new(robot);
-    (0..INSTANTS).all(|k| {
-        let response =
-            Response::at(gains, 15.0 / gains.lambda * (f64::from(k) / f64::from(INSTANTS - 1)).powi(2));
-        let [x, y] = [0, 1].map(|i| response.motion(from[i], 0.0, to[i]));
-        let d = |k: usize| Coordinates::new(x[k], y[k], 0.0, 0.0, 0.0, 0.0);
-        let u = tensions(robot, &geometry, &Pose::at(x[0], y[0], z), &d(1), &d(2));
+    let [from, to] = [from, to].map(|point| Pose::at(point.x, point.y, z));
+    instants(15.0 / gains.lambda, INSTANTS).all(|t| {
+        let (pose, rates, acceleration) = Response::at(gains, t).motion_of(&from, &Coordinates::zeros(), &to);
+        let u = tensions(robot, &geometry, &pose, &rates, &acceleration);
         u.is_some_and(|u| u.iter().all(|u| *u > 0.0))
     })
 }

@@ -2,17 +2,16 @@
 
 use anyhow::Result;
 use cable_robot::control::Response;
-use cable_robot::plan::planner::{Situation, next_set_point};
+use cable_robot::plan::planner::{Planner, Situation};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
-use cable_robot::reach::static_workspace;
 use cable_robot::robot::{Coordinates, Pose, RobotParameters};
 use clap::Args;
-use nalgebra::Vector2;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::random_point;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -79,7 +78,12 @@ impl Time {
 
     fn pairs(&self) -> Vec<(Pose, Pose)> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
-        (0..self.pairs).map(|_| (point(&mut rng), point(&mut rng))).collect()
+        let robot = RobotParameters::default();
+        let mut pose = || {
+            let point = random_point(&mut rng, &robot, INSET);
+            Pose::at(point.x, point.y, 1.0)
+        };
+        (0..self.pairs).map(|_| (pose(), pose())).collect()
     }
 
     fn show(&self, rows: &[Row]) -> Result<()> {
@@ -120,16 +124,6 @@ impl Row {
     }
 }
 
-fn point(rng: &mut Pcg64) -> Pose {
-    let facets = static_workspace(&RobotParameters::default());
-    loop {
-        let point = Vector2::new(rng.random_range(-0.26..0.26), rng.random_range(-0.26..0.26));
-        if facets.iter().all(|facet| facet.slack(&point) > INSET) {
-            return Pose::at(point.x, point.y, 1.0);
-        }
-    }
-}
-
 /// Seconds until the robot rests at the goal.
 fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
     let planner = if way == Way::Bounded { PlannerKind::Bounded } else { PlannerKind::Exact };
@@ -137,7 +131,8 @@ fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
     let min_tension = if way == Way::Bounded { LEAST } else { 0.0 };
     let parameters =
         ControllerParameters { lambda: gain, eta: gain, min_tension, planner, ..Default::default() };
-    let response = Response::at(&parameters.gains(), parameters.planner_period);
+    let (response, planner) =
+        (Response::at(&parameters.gains(), parameters.planner_period), Planner::from(parameters));
     let (mut pose, mut rates, mut set_point) = (from, Coordinates::zeros(), from);
     for tick in 0..(PATIENCE / parameters.planner_period) as u32 {
         let now = Situation { pose: &pose, rates: &rates, set_point: &set_point, hold: 0.0 };
@@ -146,14 +141,11 @@ fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
             return Some(f64::from(tick) * parameters.planner_period);
         }
         if let Some(next) =
-            next_set_point(&parameters, &now, &goal).filter(|_| steady || way != Way::ExactFromRest)
+            planner.next_set_point(&now, &goal).filter(|_| steady || way != Way::ExactFromRest)
         {
             set_point = next;
         }
-        for i in 0..6 {
-            let [x, v, _] = response.motion(pose.0[i], rates[i], set_point.0[i]);
-            (pose.0[i], rates[i]) = (x, v);
-        }
+        (pose, rates, _) = response.motion_of(&pose, &rates, &set_point);
     }
     None
 }

@@ -1,0 +1,153 @@
+//! Random cases, a rig with a state and a set point, that a domain admits, and the tensions along their motion.
+
+use cable_robot::control::response::instants;
+use cable_robot::control::{Gains, Response};
+use cable_robot::reach::ExactDomain;
+use cable_robot::reach::certificate::{Step, Verdict, certify};
+use cable_robot::robot::{
+    CABLES, Coordinates, Geometry, PerCable, Pose, Rig, RobotParameters, TensionLimits, tensions,
+};
+use clap::ValueEnum;
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::random_point;
+
+/// What says which steps are admissible.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Domain {
+    /// The exact domain: translations, rigs like the paper's
+    Exact,
+    /// The certificate: any six cables, all six coordinates
+    Certificate,
+}
+
+/// A step of a rig.
+pub struct Case {
+    pub rig: Rig,
+    pub step: Step,
+}
+
+impl Domain {
+    /// Draws a case; `None` if the domain does not admit it.
+    pub fn draw(self, rng: &mut Pcg64) -> Option<Case> {
+        match self {
+            Self::Exact => translation(rng),
+            Self::Certificate => any_step(rng),
+        }
+    }
+}
+
+/// A translation of a rig like the paper's: half of them from rest, a third at constant height.
+fn translation(rng: &mut Pcg64) -> Option<Case> {
+    let robot = random_robot(rng);
+    let limits = random_limits(rng, &robot);
+    let gains = random_gains(rng, 0.5..10.0);
+    let speed = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.0..robot.a) };
+    // Within the static workspace, and some way outside: a robot in motion may be there.
+    let mut point = || random_point(rng, &robot, -0.1 * robot.a).push(rng.random_range(0.5..4.0) * robot.a);
+    let (start, mut x_d) = (point(), point());
+    let mut velocity = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * speed;
+    if rng.random_range(0..3) == 0 {
+        (x_d.z, velocity.z) = (start.z, 0.0);
+    }
+    if !ExactDomain::new(&robot, &gains, limits, start, velocity).contains(&x_d) {
+        return None;
+    }
+    let mut rates = Coordinates::zeros();
+    rates.fixed_rows_mut::<3>(0).copy_from(&velocity);
+    let pose = |p: Vector3<f64>| Pose::at(p.x, p.y, p.z);
+    Some(Case {
+        rig: Rig::triangular(&robot, limits),
+        step: Step { start: pose(start), rates, set_point: pose(x_d), gains },
+    })
+}
+
+/// Any step of any rig: the ends of the cables out of order and out of their planes, the centre of mass off, turning as well as
+/// moving from a start in motion.
+fn any_step(rng: &mut Pcg64) -> Option<Case> {
+    let robot = random_robot(rng);
+    let mut rig = Rig::triangular(&robot, random_limits(rng, &robot));
+    let disorder = rng.random_range(0.0..0.5);
+    let mut displacement = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
+    let offset = displacement(0.2 * robot.b);
+    for i in 0..CABLES {
+        rig.anchors[i] += displacement(disorder * robot.a);
+        rig.attachments[i] += displacement(disorder * robot.b) + offset;
+    }
+    rig.inertia = Vector3::from_fn(|_, _| rng.random_range(0.05..0.8)) * (robot.m * robot.b * robot.b);
+
+    let size = rng.random_range(0.02..0.3);
+    let mut pose = || {
+        let q = Coordinates::from_fn(|_, _| rng.random_range(-size..size));
+        let [x, y, z, roll, pitch, yaw]: [f64; 6] = q.into();
+        Pose(Coordinates::new(x * robot.a, y * robot.a, (1.8 + 3.0 * z) * robot.a, roll, pitch, yaw))
+    };
+    let (start, set_point) = (pose(), pose());
+    let mut rates = Coordinates::from_fn(|_, _| rng.random_range(-1.0..1.0)) * rng.random_range(0.0..0.7);
+    rates.fixed_rows_mut::<3>(0).scale_mut(robot.a);
+    let step = Step { start, rates, set_point, gains: random_gains(rng, 0.5..6.0) };
+    matches!(certify(&rig, &step), Ok(Verdict::Admissible { .. })).then_some(Case { rig, step })
+}
+
+fn random_robot(rng: &mut Pcg64) -> RobotParameters {
+    let a = rng.random_range(0.2..2.0);
+    RobotParameters {
+        a,
+        b: rng.random_range(0.1..0.95) * a,
+        m: rng.random_range(0.5..50.0),
+        g: rng.random_range(1.6..10.0),
+        ..Default::default()
+    }
+}
+
+/// Half of them only that no cable is slack.
+fn random_limits(rng: &mut Pcg64, robot: &RobotParameters) -> TensionLimits {
+    let weight = robot.m * robot.g;
+    if rng.random_bool(0.5) {
+        return TensionLimits { min: 0.0, max: 1e3 * weight };
+    }
+    TensionLimits { min: rng.random_range(0.0..0.05) * weight, max: rng.random_range(0.5..2.0) * weight }
+}
+
+/// A third of them equal.
+fn random_gains(rng: &mut Pcg64, range: std::ops::Range<f64>) -> Gains {
+    let lambda = rng.random_range(range.clone());
+    let eta = if rng.random_range(0..3) == 0 { lambda } else { rng.random_range(range) };
+    Gains { lambda, eta }
+}
+
+impl Case {
+    /// Smallest distance of a tension from a limit at `count` instants, denser at the start, N: negative beyond it.
+    pub fn smallest_margin(&self, count: usize) -> f64 {
+        let TensionLimits { min, max } = self.rig.limits;
+        let margin = |u: f64| (u - min).min(max - u);
+        // A singular wrench matrix counts as beyond.
+        instants(12.0 / self.step.slow_rate(), count)
+            .map(|t| {
+                self.tensions_at(t)
+                    .map_or(f64::NEG_INFINITY, |u| u.into_iter().map(margin).fold(f64::INFINITY, f64::min))
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The tensions `t` seconds after the start, N, by the 6x6 inverse dynamics.
+    fn tensions_at(&self, t: f64) -> Option<PerCable<f64>> {
+        let (robot, geometry) = body(&self.rig);
+        let Step { start, rates, set_point, gains } = &self.step;
+        let (pose, rates, acceleration) = Response::at(gains, t).motion_of(start, rates, set_point);
+        tensions(&robot, &geometry, &pose, &rates, &acceleration)
+    }
+}
+
+/// What the inverse dynamics take of a rig of six cables.
+pub fn body(rig: &Rig) -> (RobotParameters, Geometry) {
+    let [i1, i2, i3] = rig.inertia.into();
+    let robot = RobotParameters { m: rig.mass, i1, i2, i3, g: rig.g, ..Default::default() };
+    let geometry = Geometry {
+        anchor: std::array::from_fn(|i| rig.anchors[i]),
+        attachment: std::array::from_fn(|i| rig.attachments[i]),
+    };
+    (robot, geometry)
+}
