@@ -19,7 +19,9 @@ def refusal(slave: Slave, action) -> str:
 @pytest.mark.parametrize(
     "name, value, allowed",
     [("m", -1.0, "greater than 0"), ("b", 0.9, "smaller than the base"), ("lambda", 0.0, "greater than 0"),
-     ("eta", -3.0, "greater than 0"), ("bisectionSteps", 0, "from 1"), ("plannerPeriod", 0.0, "greater than 0")],
+     ("eta", -3.0, "greater than 0"), ("g", 0.0, "greater than 0"),
+     ("maxTension", -1.0, "greater than minTension"), ("minTension", 200.0, "greater than minTension"),
+     ("bisectionSteps", 0, "from 1"), ("plannerPeriod", 0.0, "greater than 0")],
 )
 def test_a_parameter_that_makes_no_sense_is_named(version, name, value, allowed):
     with Slave(fmu_path(version, "CableRobotController")) as slave:
@@ -72,7 +74,8 @@ def test_calls_out_of_order_are_refused_with_a_word(version, model):
 
 
 def test_a_goal_that_cannot_be_had_is_a_status(version):
-    for goal in ((0.5, 0.0, 1.0, 0, 0, 0), (0.0, 0.0, -0.5, 0, 0, 0)):
+    # Beside the workspace, above the base plane, in it, and where the wrench matrix is singular.
+    for goal in ((0.5, 0.0, 1.0, 0, 0, 0), (0.0, 0.0, -0.5, 0, 0, 0), (0.0, 0.0, 0.0, 0, 0, 0), (0.0, 0.0, 1.0, 0, 0, math.pi / 2)):
         with ClosedLoop(version, goal=goal) as loop:
             for _ in range(100):
                 loop.step()

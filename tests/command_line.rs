@@ -101,6 +101,16 @@ fn rigs_that_make_no_sense_are_refused_with_line_field_and_cause() {
     assert_eq!(error.matches("unknown field").count(), 1, "{error}");
     let error = refused_rig(&paper.replace("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, 0.0]"));
     assert!(error.contains("in one plane"), "{error}");
+    let error = refused_rig(&paper.replace("gravity = 9.81", "gravity = 0.0"));
+    assert!(error.contains("gravity = 0 is not allowed"), "{error}");
+    let error = refused_rig(&paper.replace("min = 0.0", "min = 200.0"));
+    assert!(
+        error.contains("tension.max = 100 is not allowed: must be finite and greater than tension.min"),
+        "{error}"
+    );
+    let error =
+        refused_rig(&paper.replace(", -0.45, 0.0]", ", 0.0, 0.0]").replace(", 0.45, 0.0]", ", 0.0, 0.0]"));
+    assert!(error.contains("anchors all lie on one line"), "{error}");
     let (_, error) = written(1, &["workspace", "--rig", "no/such.toml"]);
     assert!(error.contains("no/such.toml"), "{error}");
 }
@@ -133,17 +143,69 @@ fn a_goal_outside_is_explained_and_the_nearest_point_given() {
     let obstacle = json(3, &arguments)["obstacle"].take();
     // Facet 3, normal -y, apothem 0.225 m; the planner keeps a few millimetres.
     assert_eq!(obstacle["firstOutside"]["cable"], 3);
-    assert_eq!(obstacle["nearest"]["forbiddenBy"], 3);
+    assert_eq!(obstacle["barrier"]["cable"], 3);
     let distance = number(&obstacle["nearest"]["distance"]);
     assert!((0.175..0.18).contains(&distance), "{distance}");
-    assert!((number(&obstacle["nearest"]["point"][1]) + 0.4 - distance).abs() < 1e-6, "{obstacle}");
+    assert!((number(&obstacle["nearest"]["pose"][1]) + 0.4 - distance).abs() < 1e-6, "{obstacle}");
     assert!(number(&obstacle["firstOutside"]["tension"]) <= 0.0);
     let (text, _) = written(3, &arguments);
-    assert!(text.contains("cannot be had") && text.contains("held back by cable 3"), "{text}");
+    assert!(
+        text.contains("cannot be had") && text.contains("held back by cable 3, at rest slack from"),
+        "{text}"
+    );
 
     // What is called the nearest point can be had.
-    let y = format!("0,{},1", number(&obstacle["nearest"]["point"][1]));
+    let y = format!("0,{},1", number(&obstacle["nearest"]["pose"][1]));
     assert_eq!(json(0, &["plan", "--from", "0,0,1", "--to", &y])["reachable"], true);
+}
+
+/// The refusal of a move from (0, 0, 1) on the paper's rig with other numbers.
+fn refused_move(goal: &str, planner: &str, changes: &[(&str, &str)]) -> (Value, String) {
+    let paper = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/paper.toml")).unwrap();
+    let changed = changes.iter().fold(paper, |text, (old, new)| text.replace(old, new));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("changed.toml");
+    fs::write(&path, changed).unwrap();
+    let move_of = ["--from", "0,0,1", "--to", goal, "--planner", planner];
+    let arguments = [&["plan", "--rig", path.to_str().unwrap()], &move_of[..]].concat();
+    (json(3, &arguments), written(3, &arguments).0)
+}
+
+#[test]
+fn where_the_upper_limit_binds_no_cable_is_called_slack() {
+    for planner in ["bounded", "exact"] {
+        let (plan, text) = refused_move("0.15,0.15,1", planner, &[("max = 100.0", "max = 15.0")]);
+        let barrier = &plan["obstacle"]["barrier"];
+        // NOTES: at (0.15, 0.15, 1) cable 4 would pull 19.4 N.
+        assert_eq!((barrier["cable"].as_u64(), barrier["limit"].as_f64()), (Some(4), Some(15.0)), "{plan}");
+        assert!(
+            text.contains("held back by cable 4, at rest above 15 N") && !text.contains("slack"),
+            "{text}"
+        );
+    }
+    let (_, text) = refused_move("0.15,0.15,1", "exact", &[("min = 0.0", "min = 2.0")]);
+    assert!(text.contains("held back by cable 5, at rest below 2 N"), "{text}");
+    // (15) with high gains: the robot could rest all the way.
+    let (plan, text) = refused_move("0.15,0.15,1", "bounded", &[("= 3.0", "= 15.0")]);
+    assert_eq!(plan["obstacle"]["barrier"], Value::Null);
+    assert!(text.contains("it is the steps that break one"), "{text}");
+}
+
+#[test]
+fn a_plan_that_was_given_up_says_so_and_where() {
+    let slow = [("max = 100.0", "max = 1e9"), ("= 3.0", "= 80.0")];
+    let (plan, text) = refused_move("0.15,0.15,1", "exact", &slow);
+    assert_eq!((&plan["reachable"], &plan["obstacle"]), (&Value::Null, &Value::Null));
+    let last = plan["setPoints"].as_array().unwrap().last().unwrap();
+    assert!((0.1..0.15).contains(&number(&last[0])), "{last}");
+    assert!(
+        text.contains("given up after 1000 set points at (0.12") && !text.contains("cannot be had"),
+        "{text}"
+    );
+    // Where the platform cannot rest no number of set points leads.
+    let (plan, text) = refused_move("0,0.4,1", "exact", &slow);
+    assert_eq!((&plan["reachable"], &plan["obstacle"]["barrier"]["cable"]), (&Value::Bool(false), &2.into()));
+    assert!(text.contains("cannot be had"), "{text}");
 }
 
 #[test]
@@ -185,14 +247,14 @@ fn reach_gives_the_polygon_and_where_a_ray_leaves_it() {
 #[test]
 fn simulate_writes_csv_and_arrives() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("run.csv");
+    let path = folder.path().join("run");
     let arguments = ["simulate", "--to", "0.05,0,1", "--duration", "4", "--step", "0.01"];
     let (to_stdout, summary) = written(0, &arguments);
     assert!(summary.contains("slack cables: none"), "{summary}");
     let with_file = [&arguments[..], &["--output", path.to_str().unwrap()]].concat();
     let found = json(0, &with_file);
     assert_eq!(found["status"], "AtGoal");
-    assert_eq!(fs::read_to_string(&path).unwrap(), to_stdout);
+    assert_eq!(fs::read_to_string(path.join("run.csv")).unwrap(), to_stdout);
 
     let mut reader = csv::Reader::from_reader(to_stdout.as_bytes());
     let columns = reader.headers().unwrap().len();
@@ -237,6 +299,46 @@ fn an_output_that_cannot_be_written_is_refused_before_the_work() {
 }
 
 #[test]
+fn a_result_that_cannot_be_written_is_an_error_that_names_the_place() {
+    let (out, error) = written(1, &["workspace", "--svg", "/dev/full"]);
+    assert!(out.is_empty() && error.contains("cannot write /dev/full: No space left"), "{error}");
+    for arguments in
+        [&["reach", "--from", "0,0,1"][..], &["simulate", "--to", "0.1,0,1", "--duration", "0.1"]]
+    {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cable-robot"));
+        let output = command.args(arguments).stdout(full).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(error.contains("cannot write to stdout: No space left"), "{error}");
+    }
+}
+
+#[test]
+fn a_pipe_that_nobody_reads_does_not_change_the_exit_code() {
+    for (code, goal) in [(0, "0.08,0.08,1"), (3, "0.15,0.15,1")] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
+            .args(["reach", "--from", "0,0,1", "--to", goal])
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!((output.status.code(), output.stderr), (Some(code), vec![]), "{goal}");
+    }
+}
+
+#[test]
+fn numbers_of_any_size_fit_on_a_line() {
+    let short = |text: &str| text.lines().all(|line| line.chars().count() < 200);
+    let (_, error) = written(1, &["workspace", "--height", "1e300"]);
+    assert!(error.contains("--height 1e300") && error.contains("parallel") && short(&error), "{error}");
+    let (text, _) = written(3, &["plan", "--from", "0,0,1", "--to", "0,0.4,1e300"]);
+    assert!(text.contains("1.000e300 m from the goal") && short(&text), "{text}");
+}
+
+#[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
         .args(["simulate", "--to", "0.1,0,1", "--duration", "5"])
@@ -246,14 +348,15 @@ fn a_reader_that_has_seen_enough_is_no_error() {
         .unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
-    assert_eq!((output.status.code(), output.stderr), (Some(0), vec![]));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(0) && said.starts_with("From (0, 0, 1)"), "{said}");
 }
 
 #[test]
 fn help_of_every_command_has_an_example_and_the_exit_codes_stand_in_the_first() {
     let (help, _) = written(0, &["--help"]);
     assert!(help.contains("Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable"), "{help}");
-    for task in ["workspace", "reach", "plan", "simulate"] {
+    for task in ["workspace", "reach", "plan", "simulate", "certify", "schema", "completions"] {
         let (help, _) = written(0, &[task, "--help"]);
         let example = help.lines().find_map(|line| line.strip_prefix("Example: cable-robot ")).expect(task);
         let folder = tempfile::tempdir().unwrap();
@@ -271,7 +374,7 @@ fn what_the_page_shows_is_what_the_program_prints() {
     let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
     let shown: Vec<_> =
         page.split("```").filter_map(|block| block.strip_prefix("\n$ cable-robot ")).collect();
-    assert_eq!(shown.len(), 4);
+    assert_eq!(shown.len(), 6);
     for block in shown {
         let (command, expected) = block.split_once('\n').unwrap();
         let output = run(&command.split_whitespace().collect::<Vec<_>>());
@@ -292,6 +395,95 @@ fn certify_proves_a_step_in_all_six_coordinates_and_names_what_breaks_another() 
     );
     let exact = json(0, &["certify", "--from", "0,0,1", "--to", "0.1,0,1"]);
     assert!(number(&margins["least"]) < number(&exact["least"]));
-    let (_, err) = written(1, &["certify", "--from", "0,0,1", "--to", "0.1,0,1", "--rig", "rigs/eight.toml"]);
-    assert!(err.contains("needs 6"), "{err}");
+}
+
+#[test]
+fn certify_knows_eight_cables() {
+    let with =
+        |more: &[&'static str]| [&["certify", "--rig", "rigs/eight.toml", "--from", "0,0,2"], more].concat();
+    let proved = json(0, &with(&["--to", "0.5,0.3,1.8,0,0.1,0.2"]));
+    assert_eq!(proved["verdict"], "admissible");
+    assert!(number(&proved["least"]) > 5.0 && number(&proved["greatest"]) < 400.0, "{proved}");
+    let refused = json(3, &with(&["--to", "0,1.6,2"]));
+    assert_eq!(refused["verdict"], "not admissible");
+    assert!(number(&refused["shortfall"]) > 0.0 && !refused["atLeast"].as_array().unwrap().is_empty());
+    let (text, _) = written(3, &with(&["--to", "0,1.6,2"]));
+    assert!(text.contains("no tensions keep the limits") && text.contains("at their least"), "{text}");
+    let (_, err) = written(1, &with(&["--to", "0.1,0,2", "--force", "1"]));
+    assert!(err.contains("6 cables only, the rig has 8"), "{err}");
+}
+
+#[test]
+fn schema_prints_what_is_checked_in() {
+    let (printed, _) = written(0, &["schema", "rig"]);
+    let there = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/rig.schema.json")).unwrap();
+    assert_eq!(printed, there);
+    let (_, error) = written(2, &["schema", "boat"]);
+    assert!(error.contains("rig"), "{error}");
+}
+
+#[test]
+fn a_goal_where_the_wrench_matrix_is_singular_is_named_as_such() {
+    // The paper's rig, turned by a quarter.
+    let goal = ["--from", "0,0,1", "--to", "0,0,1,0,0,1.5707963267948966"];
+    let (text, _) = written(3, &[&["certify"], &goal[..]].concat());
+    assert!(text.starts_with("undecided: the wrench matrix is singular"), "{text}");
+    for planner in ["bounded", "exact"] {
+        let plan = [&["plan", "--planner", planner], &goal[..]].concat();
+        let (text, _) = written(3, &plan);
+        assert!(text.contains("cannot be had\n  at the goal the wrench matrix is singular"), "{text}");
+        assert_eq!(json(3, &plan)["obstacle"]["goalSingular"], true);
+    }
+    let level = json(3, &["plan", "--from", "0,0,1", "--to", "0,0.4,1"]);
+    assert_eq!(level["obstacle"]["goalSingular"], false);
+}
+
+#[test]
+fn the_exact_planner_turns_and_says_where_a_turned_goal_ends() {
+    let turned = ["plan", "--planner", "exact", "--from", "0,0,1", "--to", "0.05,0,1.1,0.1,0,0.3"];
+    let (text, _) = written(0, &turned);
+    assert!(text.contains("roll (rad)") && text.contains("the goal is reached"), "{text}");
+    let beyond = ["plan", "--planner", "exact", "--from", "0,0,1", "--to", "0.2,0,1,0,0,0.9"];
+    let obstacle = &json(3, &beyond)["obstacle"];
+    let (nearest, barrier) = (&obstacle["nearest"]["pose"], &obstacle["barrier"]["pose"]);
+    let (had, forbidden) = (number(&nearest[5]), number(&barrier[5]));
+    assert!(0.0 < had && had < forbidden && forbidden < 0.9, "{obstacle}");
+    let back = ["plan", "--from", "0,0,1", "--to", "0,0,1,0,0,0.1"];
+    assert!(written(3, &back).0.contains("planner bounded keeps zero orientation"));
+}
+
+#[test]
+fn a_goal_far_out_is_held_back_where_one_near_by_is() {
+    for (goal, cables) in [("0,1e9,1", [2, 2]), ("1e300,0,1", [5, 6])] {
+        for planner in ["bounded", "exact"] {
+            let obstacle =
+                &json(3, &["plan", "--planner", planner, "--from", "0,0,1", "--to", goal])["obstacle"];
+            let barrier = &obstacle["barrier"];
+            let [x, y] = [0, 1].map(|k| number(&barrier["pose"][k]));
+            // The corners of the hexagon lie at 0.26 m.
+            assert!(x.hypot(y) < 0.27, "{planner} {goal}: {obstacle}");
+            assert!(cables.iter().any(|cable| barrier["cable"] == *cable), "{planner} {goal}: {obstacle}");
+            let [x, y] = [0, 1].map(|k| number(&obstacle["nearest"]["pose"][k]));
+            assert!((0.2..0.27).contains(&x.hypot(y)), "{planner} {goal}: {obstacle}");
+        }
+    }
+}
+
+#[test]
+fn degrees_are_not_taken_for_radians() {
+    let goal = ["plan", "--from", "0,0,1", "--to", "0,0,1,0,0,30", "--planner", "exact"];
+    assert!(written(2, &goal).1.contains("angles are in radians"));
+    assert!(written(2, &["workspace", "--orientation", "30,0,0"]).1.contains("angles are in radians"));
+}
+
+#[test]
+fn margins_that_make_no_sense_are_named_by_their_option() {
+    for (option, value, expected) in [
+        ("--mass-error", "5", "below 1"),
+        ("--mass-error", "-1", "0 or greater"),
+        ("--delay", "inf", "finite"),
+    ] {
+        let (_, error) = written(2, &["certify", "--from", "0,0,1", "--to", "0.1,0,1", option, value]);
+        assert!(error.contains(option) && error.contains(expected), "{error}");
+    }
 }

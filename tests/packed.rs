@@ -72,6 +72,29 @@ fn fmi_2_and_fmi_3_give_the_same_bits() {
 }
 
 #[test]
+fn the_exact_planner_turns() {
+    for version in VERSIONS {
+        let controller = instance(version, "CableRobotController", "controller");
+        let settings = [
+            ("planner", Value::Int(2)),
+            ("goalPose.roll", Value::Float(0.1)),
+            ("goalPose.yaw", Value::Float(0.6)),
+        ];
+        controller.set_parameters(&settings).unwrap();
+        let plant = instance(version, "CableRobotPlant", "plant");
+        let mut closed_loop = ClosedLoop::new(controller, plant, [0.05, 0.0, 0.9], 1e-3).unwrap();
+        closed_loop.run(8.0, 0.1, |_| {}).unwrap();
+        let summary = closed_loop.recorded_run().unwrap().summary();
+        assert!(summary.time_to_goal.is_some() && summary.slack.is_none(), "{summary:?}");
+        let last = |name: &str| *closed_loop.recorder().column(name).unwrap().last().unwrap();
+        assert_eq!((last("controller.setPoint.yaw"), last("controller.status")), (0.6, 4.0));
+        assert!(
+            (last("plant.encoderPose.yaw") - 0.6).abs() < 0.01 && last("controller.setPointIndex") == 1.0
+        );
+    }
+}
+
+#[test]
 fn a_state_goes_back_and_goes_over_to_another_instance() {
     for version in VERSIONS {
         let (first, second) = (plant(version, "first"), plant(version, "second"));

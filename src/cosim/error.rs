@@ -128,14 +128,6 @@ pub enum CosimError {
     /// The master was told something that makes no sense.
     #[error("co-simulation: {0}")]
     Setup(String),
-    /// The recording cannot be written.
-    #[error("{} cannot be written: {reason}", .path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
 }
 
 /// What the FMU said, as the end of a message.

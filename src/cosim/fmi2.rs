@@ -159,6 +159,13 @@ impl Slave for Slave2 {
         }
     }
 
+    fn set_logging(&self, on: bool) -> Result<(), Failure> {
+        let set = self.call(&self.library.fmi2SetDebugLogging, "fmi2SetDebugLogging")?;
+        let on = fmi2Boolean::from(on);
+        // SAFETY: the component is alive; no categories are named, which means all.
+        self.check("fmi2SetDebugLogging", unsafe { set(self.component, on, 0, std::ptr::null()) })
+    }
+
     fn enter_initialization(&self, start: f64, stop: Option<f64>) -> Result<(), Failure> {
         let name = "fmi2SetupExperiment";
         let setup = self.call(&self.library.fmi2SetupExperiment, name)?;

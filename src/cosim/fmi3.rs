@@ -199,6 +199,12 @@ impl Slave for Slave3 {
         }
     }
 
+    fn set_logging(&self, on: bool) -> Result<(), Failure> {
+        let set = self.call(&self.library.fmi3SetDebugLogging, "fmi3SetDebugLogging")?;
+        // SAFETY: the instance is alive; no categories are named, which means all.
+        self.check("fmi3SetDebugLogging", unsafe { set(self.instance, on, 0, std::ptr::null()) })
+    }
+
     fn enter_initialization(&self, start: f64, stop: Option<f64>) -> Result<(), Failure> {
         let name = "fmi3EnterInitializationMode";
         let enter = self.call(&self.library.fmi3EnterInitializationMode, name)?;

@@ -102,6 +102,14 @@ impl Instance {
         values.iter().try_for_each(|(name, value)| self.set(self.variable(name)?, *value))
     }
 
+    /// Whether the FMU sends remarks, as it does from the start; why a call failed it tells in any case.
+    ///
+    /// # Errors
+    /// [`CosimError::Call`] if the FMU refuses.
+    pub fn set_logging(&self, on: bool) -> Result<(), CosimError> {
+        self.slave.set_logging(on).map_err(|f| self.error(f, || "setting what is logged".to_owned()))
+    }
+
     /// Starts initialisation at time `start` (s), with or without a known end.
     ///
     /// # Errors

@@ -1,7 +1,5 @@
 //! Keeps what a co-simulation shows, column by column.
 
-use std::path::Path;
-
 use super::{CosimError, Master, Variable};
 
 /// Samples chosen variables; Booleans become 0 and 1.
@@ -48,24 +46,5 @@ impl Recorder {
             Some(index) => Ok(&self.columns[index]),
             None => Err(CosimError::Setup(format!("{name} is not recorded"))),
         }
-    }
-
-    /// Writes a CSV file: a header with `time` and the names, then a line a row, every number in full.
-    ///
-    /// # Errors
-    /// [`CosimError::Write`] with the file's name.
-    pub fn write_csv(&self, path: &Path) -> Result<(), CosimError> {
-        self.try_write_csv(path)
-            .map_err(|e| CosimError::Write { path: path.to_owned(), reason: e.to_string() })
-    }
-
-    fn try_write_csv(&self, path: &Path) -> Result<(), csv::Error> {
-        let mut writer = csv::Writer::from_path(path)?;
-        writer.write_record(std::iter::once("time").chain(self.names.iter().map(String::as_str)))?;
-        for (row, time) in self.times.iter().enumerate() {
-            let values = self.columns.iter().map(|column| column[row]);
-            writer.serialize(std::iter::once(*time).chain(values).collect::<Vec<_>>())?;
-        }
-        Ok(writer.flush()?)
     }
 }

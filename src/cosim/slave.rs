@@ -23,6 +23,8 @@ pub(super) enum Failure {
 pub(super) trait Slave {
     fn get(&self, kind: VariableType, reference: u32) -> Result<Value, Failure>;
     fn set(&self, kind: VariableType, reference: u32, value: Value) -> Result<(), Failure>;
+    /// Whether it sends remarks; why a call failed is told in any case.
+    fn set_logging(&self, on: bool) -> Result<(), Failure>;
     fn enter_initialization(&self, start: f64, stop: Option<f64>) -> Result<(), Failure>;
     fn exit_initialization(&self) -> Result<(), Failure>;
     fn do_step(&self, time: f64, step: f64) -> Result<(), Failure>;

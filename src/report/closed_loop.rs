@@ -1,6 +1,8 @@
 //! The closed loop of the two FMUs, recorded: what `cargo demo` and the tests of the packed files run.
 
 use super::Run;
+use super::recording::columns;
+use super::table::Table;
 use crate::cosim::{CosimError, Instance, Master, Recorder};
 use crate::robot::CABLES;
 
@@ -26,7 +28,7 @@ impl ClosedLoop {
         for (axis, value) in POSE.iter().zip(goal) {
             master.set(&format!("controller.goalPose.{axis}"), value)?;
         }
-        let mut recorder = Recorder::new(&master, recorded())?;
+        let mut recorder = Recorder::new(&master, columns())?;
         master.initialize(0.0, None)?;
         recorder.sample(&master)?;
         Ok(Self { master, recorder })
@@ -53,6 +55,20 @@ impl ClosedLoop {
     /// Everything recorded.
     pub fn recorder(&self) -> &Recorder {
         &self.recorder
+    }
+
+    /// Everything recorded, as a run folder keeps it.
+    ///
+    /// # Errors
+    /// [`CosimError::Setup`] for a column that is not recorded.
+    pub fn table(&self) -> Result<Table, CosimError> {
+        let names = columns();
+        let recorded = names.iter().map(|name| self.recorder.column(name)).collect::<Result<Vec<_>, _>>()?;
+        let mut table = Table::new(names);
+        for (row, time) in self.recorder.times().iter().enumerate() {
+            table.push(*time, &recorded.iter().map(|column| column[row]).collect::<Vec<_>>());
+        }
+        Ok(table)
     }
 
     /// What the report needs of it.
@@ -102,17 +118,4 @@ fn connections() -> Vec<(String, String)> {
     let tensions = cables("motorTension").map(|name| (format!("controller.{name}"), format!("plant.{name}")));
     let measured = pose("encoderPose").chain(cables("cableLength")).chain(cables("measuredTension"));
     tensions.chain(measured.map(|name| (format!("plant.{name}"), format!("controller.{name}")))).collect()
-}
-
-/// The columns of the recording.
-fn recorded() -> Vec<String> {
-    let single = ["setPointIndex", "steady", "atGoal", "status", "tensionMargin"];
-    pose("plant.encoderPose")
-        .chain(pose("controller.setPoint"))
-        .chain(pose("controller.estimatedVelocity"))
-        .chain(cables("controller.motorTension"))
-        .chain(cables("plant.measuredTension"))
-        .chain(cables("plant.slack"))
-        .chain(single.map(|name| format!("controller.{name}")))
-        .collect()
 }

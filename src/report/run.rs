@@ -91,14 +91,35 @@ impl Run {
             let samples = self.tension[i].iter().zip(&self.times);
             samples.map(move |(value, time)| SmallestTension { value: *value, cable: i + 1, time: *time })
         };
-        (0..CABLES).flat_map(of_cable).min_by(|a, b| a.value.total_cmp(&b.value))
+        // Of equals, as of slack cables, the first.
+        let order = |a: &SmallestTension, b: &SmallestTension| {
+            a.value.total_cmp(&b.value).then(a.time.total_cmp(&b.time))
+        };
+        (0..CABLES).flat_map(of_cable).min_by(order)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tests::run;
+
+    /// Two coordinates move, cable 5 comes close to nothing, set point 1 comes at 0.5 s.
+    fn run(samples: usize) -> Run {
+        let times: Vec<f64> = (0..samples).map(|k| k as f64 / 1000.0).collect();
+        let along = |f: fn(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<_>>();
+        Run {
+            position: [along(|t| 0.01 * t), along(|t| 0.02 * t), along(|_| 1.0)],
+            set_point: [along(|t| if t < 0.5 { 0.0 } else { 0.2 }), along(|_| 0.0), along(|_| 1.0)],
+            set_point_index: along(|t| if t < 0.5 { 0.0 } else { 1.0 }),
+            tension: std::array::from_fn(|i| {
+                along(if i == 4 { |t| 1.0 + (t - 0.7) * (t - 0.7) } else { |t| 10.0 + t.sin() })
+            }),
+            slack: std::array::from_fn(|_| vec![0.0; samples]),
+            tension_margin: along(|_| 1.0),
+            at_goal: along(|t| f64::from(u8::from(t > 0.9))),
+            times,
+        }
+    }
 
     #[test]
     fn summary_finds_set_points_smallest_tension_and_arrival() {
@@ -116,6 +137,9 @@ mod tests {
         run.slack[1][600] = 1.0;
         run.slack[3][400] = 1.0;
         assert_eq!(run.summary().slack, Some((4, 0.4)));
+        (run.tension[1][600], run.tension[3][400]) = (0.0, 0.0);
+        let smallest = run.summary().smallest_tension.unwrap();
+        assert_eq!((smallest.cable, smallest.time), (4, 0.4));
     }
 
     #[test]

@@ -1,7 +1,15 @@
-//! Section VI: the plant and its integrator.
+//! Section VI: the plant and its integrator; scenarios, and the closed loop that runs them.
 
 pub mod body;
+pub mod bundled;
+pub mod closed_loop;
 pub mod integrator;
 pub mod plant;
+pub mod scenario;
+pub mod scenario_file;
 
+pub use bundled::BUNDLED;
+pub use closed_loop::{ClosedLoop, ControllerModel, ModelError, Moment, PlantModel, SimulationError};
 pub use plant::{Plant, PlantError, PlantInputs, PlantOutputs, PlantParameters};
+pub use scenario::{Disturbance, Goal, Scenario};
+pub use scenario_file::{ScenarioFile, ScenarioFileError};

@@ -20,6 +20,7 @@ const FRICTION_TURNOVER: f64 = 1e-3;
 
 /// Parameters of the plant; all imperfections are zero by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub struct PlantParameters {
     /// The robot simulated.
     pub robot: RobotParameters,
@@ -183,6 +184,11 @@ impl Plant {
         self.state = body::normalised(end);
         self.measure();
         Ok(())
+    }
+
+    /// The parameters it was started with.
+    pub fn parameters(&self) -> &PlantParameters {
+        &self.parameters
     }
 
     /// The outputs after the last step.

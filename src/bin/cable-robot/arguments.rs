@@ -1,9 +1,10 @@
 //! Arguments that several commands share.
 
 use std::fs::File;
-use std::path::Path;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use cable_robot::plan::PlannerKind;
 use cable_robot::robot::{Coordinates, Pose};
 use clap::ValueEnum;
@@ -18,6 +19,7 @@ pub fn pose(text: &str) -> Result<Pose, String> {
     if numbers[2] <= 0.0 {
         return Err(format!("z = {}: z points down, a pose below the base has z > 0 (m)", numbers[2]));
     }
+    numbers[3..].iter().try_for_each(|angle| radians(*angle))?;
     let mut pose = Coordinates::zeros();
     pose.as_mut_slice()[..numbers.len()].copy_from_slice(&numbers);
     Ok(Pose(pose))
@@ -27,7 +29,26 @@ pub fn pose(text: &str) -> Result<Pose, String> {
 pub fn angles(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers(text)?;
     let count = numbers.len();
+    numbers.iter().try_for_each(|angle| radians(*angle))?;
     numbers.try_into().map_err(|_| format!("{count} numbers given; an orientation is roll,pitch,yaw (rad)"))
+}
+
+/// More than a turn is no orientation that anybody means, but perhaps degrees.
+fn radians(angle: f64) -> Result<(), String> {
+    let ok = angle.abs() <= std::f64::consts::TAU;
+    if ok { Ok(()) } else { Err(format!("{angle}: angles are in radians, at most a turn (6.2832) each way")) }
+}
+
+/// Reads a bound of what a model may be wrong by.
+pub fn bound(text: &str) -> Result<f64, String> {
+    let bound = finite(text)?;
+    if bound >= 0.0 { Ok(bound) } else { Err(format!("{text}: must be 0 or greater")) }
+}
+
+/// Reads a bound of a relative error.
+pub fn share(text: &str) -> Result<f64, String> {
+    let share = bound(text)?;
+    if share < 1.0 { Ok(share) } else { Err(format!("{text}: a relative error below 1")) }
 }
 
 /// Reads the rates of the six coordinates.
@@ -60,7 +81,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 pub enum Planner {
     /// The paper's reachable domain, Eq. (15)
     Bounded,
-    /// Exactly the admissible translations
+    /// Any step in all six coordinates that is proved, from any state
     Exact,
 }
 
@@ -74,7 +95,29 @@ impl Planner {
     }
 }
 
+/// A file for a result. Its errors name it.
+pub struct ResultFile {
+    path: PathBuf,
+    file: File,
+}
+
 /// Opens a file for a result, before the work that makes it.
-pub fn create(path: &Path) -> Result<File> {
-    File::create(path).with_context(|| format!("cannot write {}", path.display()))
+pub fn create(path: &Path) -> Result<ResultFile> {
+    let file = File::create(path).map_err(|error| unwritten(path, &error))?;
+    Ok(ResultFile { path: path.to_owned(), file })
+}
+
+/// Not of the kind that a closed stdout has, which is no error.
+fn unwritten(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::other(format!("cannot write {}: {error}", path.display()))
+}
+
+impl Write for ResultFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes).map_err(|error| unwritten(&self.path, &error))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush().map_err(|error| unwritten(&self.path, &error))
+    }
 }

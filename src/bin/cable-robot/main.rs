@@ -2,10 +2,14 @@
 
 mod arguments;
 mod certify;
+mod completions;
+mod figure;
 mod picture;
 mod plan;
 mod reach;
+mod report;
 mod rig;
+mod schema;
 mod simulate;
 mod study;
 mod workspace;
@@ -13,11 +17,16 @@ mod workspace;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
+use anyhow::Context;
 use clap::{Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
 Frame: origin at the centre of the base plane, z down; metres, radians, newtons.
-Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable or step not proved.";
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable or step not proved, \
+130 interrupted.";
+
+/// Exit code after Ctrl-C, as shells have it.
+const INTERRUPTED: u8 = 130;
 
 /// Cable robot that never lets a cable go slack: static workspace, reachable domains, plans, simulations
 #[derive(Parser)]
@@ -38,15 +47,27 @@ enum Task {
     /// Set points from one pose to another, and why a goal cannot be had
     #[command(after_help = plan::EXAMPLE)]
     Plan(plan::Plan),
-    /// Controller and plant in a closed loop, as CSV
+    /// A scenario: controller and plant in a closed loop, as CSV or as a run folder
     #[command(after_help = simulate::EXAMPLE)]
     Simulate(simulate::Simulate),
+    /// One HTML file of a run: robot, positions, tensions, plane, with a time scrubber
+    #[command(after_help = report::EXAMPLE)]
+    Report(report::Report),
     /// A proof that one step, in all six coordinates, keeps every tension within its limits
     #[command(after_help = certify::EXAMPLE)]
     Certify(certify::Certify),
+    /// The paper's figures as SVG, PNG and CSV
+    #[command(after_help = figure::EXAMPLE)]
+    Figure(figure::Figure),
+    /// JSON Schema of a file that this program reads, for editors
+    #[command(after_help = schema::EXAMPLE)]
+    Schema(schema::Schema),
     /// Studies that back what is claimed about the reachable domains
     #[command(subcommand)]
     Study(study::Study),
+    /// Completions for a shell, to stdout
+    #[command(after_help = completions::EXAMPLE)]
+    Completions(completions::Completions),
 }
 
 /// What an exit code tells apart.
@@ -54,6 +75,7 @@ enum Task {
 enum Outcome {
     Done,
     NotReachable,
+    Interrupted,
 }
 
 fn main() -> ExitCode {
@@ -62,12 +84,17 @@ fn main() -> ExitCode {
         Task::Reach(task) => task.run(),
         Task::Plan(task) => task.run(),
         Task::Simulate(task) => task.run(),
+        Task::Report(task) => task.run(),
         Task::Certify(task) => task.run(),
+        Task::Figure(task) => task.run(),
+        Task::Schema(task) => task.run(),
         Task::Study(task) => task.run(),
+        Task::Completions(task) => task.run(),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::NotReachable) => ExitCode::from(3),
+        Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("cable-robot: {error:#}");
@@ -87,14 +114,26 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Writes a result to stdout.
+/// Writes a result to stdout. That nobody reads it to the end changes nothing of what the exit code says.
 fn print(text: &str) -> anyhow::Result<()> {
-    Ok(writeln!(std::io::stdout(), "{}", text.trim_end())?)
+    match writeln!(std::io::stdout(), "{}", text.trim_end()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write to stdout"),
+    }
 }
 
 /// A coordinate to a tenth of a millimetre, never -0.
 fn metres(value: f64) -> String {
-    format!("{:9.4}", (value * 1e4).round() / 1e4 + 0.0)
+    if value.abs() < 1e6 {
+        format!("{:9.4}", (value * 1e4).round() / 1e4 + 0.0)
+    } else {
+        format!("{value:9.3e}")
+    }
+}
+
+/// A number as it was given, in a few characters.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Writes a result for machines to stdout.

@@ -6,8 +6,8 @@ use cable_robot::reach::Slice;
 use cable_robot::reach::static_region::Grid;
 use nalgebra::Vector2;
 
-use crate::metres;
 use crate::workspace::Found;
+use crate::{metres, number};
 
 /// Shades by quarters of the greatest margin.
 const SHADES: [char; 4] = ['░', '▒', '▓', '█'];
@@ -47,7 +47,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
         text,
         "<title>Static workspace of {}, z = {} m</title>",
         escaped(&slice.rig.name),
-        slice.height
+        number(slice.height)
     );
     let (zero_x, zero_y) = at(&Vector2::zeros());
     let _ = writeln!(
@@ -94,7 +94,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
         metres * scale,
         SIDE - 30.0,
         escaped(&slice.rig.name),
-        slice.height,
+        number(slice.height),
         bottom = SIDE - 22.0
     );
     text

@@ -53,7 +53,7 @@ impl Reach {
             let level = pose.is_none_or(|pose| pose.angles().norm() == 0.0 && pose.0[2] == z);
             ensure!(level, "{name}: the domain (15) is of steps at one height and with zero orientation");
         }
-        require_rest(&parameters, &self.from)?;
+        require_rest(&parameters, "--from", &self.from)?;
         let domain = BoundedDomain::new(robot, &parameters.gains(), from, z);
         let mut vertices = polygon(&domain.half_planes(), 2.0 * robot.a);
         // Where three half-planes meet in one point, clipping leaves it twice.
@@ -99,12 +99,10 @@ fn as_text(from: &Pose, vertices: &[Vector2<f64>], tried: Option<&Tried>) -> Str
             Some(cable) => format!("is not admissible: cable {cable} forbids it"),
         };
         let _ = writeln!(text, "({}, {}) {verdict}", to.x, to.y);
-        let _ = writeln!(
-            text,
-            "the domain ends in that direction at ({}, {})",
-            metres(farthest.x).trim(),
-            metres(farthest.y).trim()
-        );
+        if *to != from.position().xy() {
+            let end = [farthest.x, farthest.y].map(|c| metres(c).trim().to_owned()).join(", ");
+            let _ = writeln!(text, "the domain ends in that direction at ({end})");
+        }
     }
     text
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use cable_robot::reach::static_region::{Grid, corners};
 use cable_robot::reach::{Slice, SolverError};
 use cable_robot::robot::RigFile;
@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::arguments::{angles, create, finite};
 use crate::rig::RigArgument;
-use crate::{Outcome, metres, picture, print, print_json};
+use crate::{Outcome, metres, number, picture, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot workspace --rig rigs/eight.toml --height 2 --svg workspace.svg";
@@ -27,6 +27,8 @@ const RAYS: usize = 360;
 /// What counts as straight, m.
 const STRAIGHT: f64 = 1e-6;
 
+/// Heights in sizes of the rig up to which tensions can be told: as far as [`cable_robot::robot::rig::SINGULARITY_THRESHOLD`] lets cables be parallel.
+const FARTHEST: f64 = 1e6;
 /// Share of the workspace outside the border that is more than what a grid gives for a border of chords.
 const WORTH_SAYING: f64 = 5e-3;
 
@@ -65,9 +67,17 @@ pub struct Found {
 impl Workspace {
     pub fn run(&self) -> Result<Outcome> {
         let file = self.rig.read()?;
-        let svg = self.svg.as_deref().map(create).transpose()?;
         let height = self.height.unwrap_or(file.home.0[2]);
         let slice = Slice { rig: &file.rig, height, angles: Vector3::from(self.orientation) };
+        let (low, high) = slice.extent();
+        let highest = FARTHEST * (high - low).max();
+        ensure!(
+            height.abs() <= highest,
+            "--height {}: the cables are as good as parallel there; at most {} m makes sense for this rig",
+            number(height),
+            number(highest.round())
+        );
+        let svg = self.svg.as_deref().map(create).transpose()?;
         // Shown on a terminal only.
         let bar = ProgressBar::new(2 * GRID as u64);
         let found = find(&slice, &file, || bar.inc(1))?;
@@ -135,15 +145,15 @@ fn surrounds(line: &[Vector2<f64>], point: &Vector2<f64>) -> bool {
 }
 
 fn as_text(slice: &Slice, found: Option<&Found>) -> String {
-    let rig = slice.rig;
-    let mut text = format!("{}: {} cables, {} kg", rig.name, rig.anchors.len(), rig.mass);
-    let _ = writeln!(text, ", tensions from {} to {} N", rig.limits.min, rig.limits.max);
+    let (rig, height) = (slice.rig, number(slice.height));
+    let mut text = format!("{}: {} cables, {} kg", rig.name, rig.anchors.len(), number(rig.mass));
+    let _ = writeln!(text, ", tensions from {} to {} N", number(rig.limits.min), number(rig.limits.max));
     let Some(found) = found else {
-        let _ = writeln!(text, "z = {} m: empty, the cables cannot hold the platform anywhere", slice.height);
+        let _ = writeln!(text, "z = {height} m: empty, the cables cannot hold the platform anywhere");
         return text;
     };
     let (deepest, margin) = found.deepest;
-    let _ = writeln!(text, "z = {} m: area {:.4} m²", slice.height, found.area);
+    let _ = writeln!(text, "z = {height} m: area {:.4} m²", found.area);
     let _ = writeln!(
         text,
         "greatest margin: {margin:.3} N at ({}, {}), the least distance of a tension to a limit\n",

@@ -1,0 +1,81 @@
+"""The examples run, and print what docs/python.md says."""
+
+import csv
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from dask.distributed import LocalCluster
+
+ROOT = Path(__file__).resolve().parent.parent
+EXAMPLES = ROOT / "fmpy-tests" / "examples"
+NAMES = ["closed_loop", "goal_sequence", "sweep_gains", "sweep_dask"]
+
+
+def run(name, folder, *options):
+    return subprocess.run(
+        [sys.executable, str(EXAMPLES / f"{name}.py"), *options], cwd=folder, capture_output=True, text=True
+    )
+
+
+def documented():
+    """Name, options and output of each example as docs/python.md shows them."""
+    page = (ROOT / "docs" / "python.md").read_text()
+    blocks = re.findall(r"\$ python fmpy-tests/examples/(\w+)\.py(.*)\n((?:.+\n)*?)```", page)
+    return [(name, options.split(), output) for name, options, output in blocks]
+
+
+def test_the_page_shows_each_example():
+    assert [name for name, _, _ in documented()] == NAMES
+
+
+@pytest.mark.parametrize("name, options, output", documented(), ids=lambda value: value if isinstance(value, str) else "")
+def test_an_example_prints_what_the_page_says(name, options, output, tmp_path):
+    done = run(name, tmp_path, *options, "--picture", "made.png", "--csv", "made.csv")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == output
+    assert (tmp_path / "made.png").read_bytes().startswith(b"\x89PNG")
+    header, *rows = csv.reader((tmp_path / "made.csv").open())
+    assert rows and all(len(row) == len(header) for row in rows)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_says_what_an_example_does(name, tmp_path):
+    done = run(name, tmp_path, "--help")
+    assert done.returncode == 0 and "--picture" in done.stdout and "tension" in done.stdout.split("options:")[0]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_missing_is_said_before_anything_runs(name, tmp_path):
+    for options, expected in ((["--fmus", "nowhere"], "cargo fmu build"), (["--csv", "no/such.csv"], "no/such.csv")):
+        done = run(name, tmp_path, *options)
+        assert done.returncode == 2 and expected in done.stderr, done.stderr
+
+
+def test_a_goal_that_cannot_be_had_is_said(tmp_path):
+    done = run("closed_loop", tmp_path, "--goal", "0.5,0,1", "--duration", "0.2")
+    assert done.returncode == 3 and "not at the goal: GoalUnreachable" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "name, options, expected",
+    [("closed_loop", ["--goal", "1,2"], "a position is x,y,z"), ("goal_sequence", ["0,0,1", "1,2"], "a position is x,y,z"),
+     ("sweep_dask", ["--scheduler", "tcp://127.0.0.1:1"], "no scheduler at tcp://127.0.0.1:1")],
+)
+def test_wrong_options_are_named(name, options, expected, tmp_path):
+    done = run(name, tmp_path, *options)
+    assert done.returncode == 2 and expected in done.stderr.splitlines()[-1], done.stderr
+
+
+def test_a_cluster_elsewhere_gives_the_same(tmp_path):
+    """Two workers whose only files are those that the example sends them."""
+    options = ["--gains", "4,8", "--step", "0.005", "--csv"]
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        there = run("sweep_dask", tmp_path, *options, "there.csv", "--scheduler", cluster.scheduler_address)
+    assert there.returncode == 0, there.stderr
+    assert "4 of 4 cases" in there.stderr, "progress"
+    here = run("sweep_dask", tmp_path, *options, "here.csv", "--workers", "1")
+    assert here.returncode == 0, here.stderr
+    assert (tmp_path / "there.csv").read_text() == (tmp_path / "here.csv").read_text()

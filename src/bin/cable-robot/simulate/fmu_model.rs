@@ -1,0 +1,224 @@
+//! A controller or plant that is an FMU from elsewhere, in the closed loop.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use cable_robot::cosim::{
+    Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
+};
+use cable_robot::fmi::Model;
+use cable_robot::fmi::models::{controller, plant};
+use cable_robot::fmi::values::Values;
+use cable_robot::fmi::variables::{Causality as Role, Row};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource};
+use cable_robot::report::{recording::column, run_folder};
+use cable_robot::sim::{ControllerModel, ModelError, PlantInputs, PlantModel, PlantOutputs, Scenario};
+
+/// An FMU in the place of ours. Its variables are found by the names of ours; what it lacks is left out.
+pub struct FmuModel {
+    instance: Instance,
+    model: Model,
+    inputs: Vec<(u32, Variable)>,
+    outputs: Vec<(u32, Variable)>,
+    values: Values,
+    phase: Phase,
+}
+
+#[derive(PartialEq)]
+enum Phase {
+    Instantiated,
+    Initialization,
+    Stepping,
+}
+
+impl FmuModel {
+    /// Opens the file and sets the scenario's parameters. Which of the two models it stands for its variables tell.
+    pub fn open(path: &Path, scenario: &Scenario) -> Result<Self> {
+        let fmu = Fmu::open(path)?;
+        let motor = fmu.description().variable("motorTension[1]").map(|variable| variable.causality);
+        let (model, name) = match motor {
+            Some(Causality::Output) => (Model::Controller, "controller"),
+            Some(Causality::Input) => (Model::Plant, "plant"),
+            _ => bail!(
+                "{} is neither controller nor plant: a controller has the scalar outputs motorTension[1] to \
+                 motorTension[6], a plant has them as inputs",
+                path.display()
+            ),
+        };
+        let instance = fmu.instantiate(name, Box::new(say))?;
+        let mut values = Values::new(model.rows());
+        match model {
+            Model::Controller => controller::write_parameters(&scenario.controller, &mut values),
+            Model::Plant => plant::write_parameters(&scenario.plant, &mut values),
+        }
+        for (reference, variable) in shared(&instance, model, Role::Parameter)? {
+            instance.set(&variable, typed(variable.kind, values.at(reference)))?;
+        }
+        let inputs = shared(&instance, model, Role::Input)?;
+        let outputs = shared(&instance, model, Role::Output)?;
+        let found = Self { instance, model, inputs, outputs, values, phase: Phase::Instantiated };
+        found.require_essentials(&scenario.controller).with_context(|| format!("{}", path.display()))?;
+        Ok(found)
+    }
+
+    /// Which of the two it stands for.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// For `run.json`.
+    pub fn info(&self, path: PathBuf) -> run_folder::Model {
+        let description = self.instance.description();
+        let fmi_version = match description.version {
+            FmiVersion::V2 => "2.0",
+            FmiVersion::V3 => "3.0",
+        };
+        run_folder::Model::Fmu {
+            path,
+            name: description.model_name.clone(),
+            fmi_version: fmi_version.to_owned(),
+        }
+    }
+
+    /// Columns of a run that it cannot fill.
+    pub fn lacking(&self) -> Vec<String> {
+        let own = |reference: u32| self.outputs.iter().any(|(known, _)| *known == reference);
+        let missing = scalars(self.model, Role::Output).filter(|(_, reference)| !own(*reference));
+        missing.map(|(name, _)| column(self.model, &name)).collect()
+    }
+
+    /// Without these there is no loop: motors and pose, and what the controller's settings say it reads besides.
+    fn require_essentials(&self, controller: &ControllerParameters) -> Result<()> {
+        let essentials = match self.model {
+            Model::Controller => vec![(Role::Output, "motorTension", &self.outputs)],
+            Model::Plant => {
+                let [pose, lengths, cells] = ["encoderPose", "cableLength", "measuredTension"]
+                    .map(|name| (Role::Output, name, &self.outputs));
+                let mut all = vec![(Role::Input, "motorTension", &self.inputs), pose];
+                all.extend((controller.pose_source == PoseSource::CableLengths).then_some(lengths));
+                all.extend(controller.force_loop.then_some(cells));
+                all
+            }
+        };
+        for (role, essential, have) in essentials {
+            let needed = scalars(self.model, role).filter(|(name, _)| name.starts_with(essential));
+            for (name, reference) in needed {
+                let has = have.iter().any(|(known, _)| *known == reference);
+                ensure!(has, "a {} needs the {} {name}", self.instance.name(), role.name());
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the inputs.
+    fn give(&self) -> Result<(), ModelError> {
+        for (reference, variable) in &self.inputs {
+            self.instance.set(variable, typed(variable.kind, self.values.at(*reference)))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the outputs.
+    fn take(&mut self) -> Result<(), ModelError> {
+        for (reference, variable) in &self.outputs {
+            self.values.put(*reference, self.instance.get(variable)?.as_f64());
+        }
+        Ok(())
+    }
+
+    fn start(&mut self) -> Result<(), ModelError> {
+        if self.phase == Phase::Instantiated {
+            self.instance.enter_initialization(0.0, None)?;
+            self.phase = Phase::Initialization;
+        }
+        self.give()?;
+        self.take()
+    }
+
+    fn step(&mut self, time: f64, h: f64) -> Result<(), ModelError> {
+        if self.phase == Phase::Initialization {
+            self.instance.exit_initialization()?;
+            self.phase = Phase::Stepping;
+        }
+        self.give()?;
+        self.instance.do_step(time, h)?;
+        self.take()
+    }
+}
+
+impl ControllerModel for FmuModel {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        controller::write_inputs(inputs, &mut self.values);
+        self.start()?;
+        Ok(controller::outputs(&self.values))
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        controller::write_inputs(inputs, &mut self.values);
+        self.step(time, h)?;
+        Ok(controller::outputs(&self.values))
+    }
+}
+
+impl PlantModel for FmuModel {
+    fn start(&mut self, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        plant::write_inputs(inputs, &mut self.values);
+        self.start()?;
+        Ok(plant::outputs(&self.values))
+    }
+
+    fn step(&mut self, time: f64, h: f64, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        plant::write_inputs(inputs, &mut self.values);
+        self.step(time, h)?;
+        Ok(plant::outputs(&self.values))
+    }
+}
+
+impl Drop for FmuModel {
+    fn drop(&mut self) {
+        if self.phase == Phase::Stepping {
+            // An FMU that does not end in order is freed all the same.
+            let _ = self.instance.terminate();
+        }
+    }
+}
+
+/// Passes on what the FMU has to say beyond remarks.
+fn say(message: &LogMessage) {
+    if message.status > Status::Ok {
+        eprintln!("{}: {}", message.instance, message.text);
+    }
+}
+
+/// Names and value references of our variables in a role.
+fn scalars(model: Model, role: Role) -> impl Iterator<Item = (String, u32)> {
+    let names = |row: &'static Row| row.references().map(move |i| (row.scalar_name(i), i));
+    model.rows_with(role).flat_map(names)
+}
+
+/// Our value references and the FMU's variables, where it has one of the same name and role.
+fn shared(instance: &Instance, model: Model, role: Role) -> Result<Vec<(u32, Variable)>> {
+    let theirs = match role {
+        Role::Parameter => Causality::Parameter,
+        Role::Input => Causality::Input,
+        Role::Output => Causality::Output,
+        Role::Independent => Causality::Independent,
+    };
+    let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);
+    let both = scalars(model, role).filter(|(name, _)| has(name));
+    both.map(|(name, reference)| Ok((reference, instance.variable(&name)?.clone()))).collect()
+}
+
+/// The number as a value of this type.
+fn typed(kind: VariableType, number: f64) -> Value {
+    match kind {
+        VariableType::Float64 | VariableType::Float32 => Value::Float(number),
+        VariableType::Boolean => Value::Bool(number != 0.0),
+        _ => Value::Int(number as i64),
+    }
+}

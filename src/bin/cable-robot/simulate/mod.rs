@@ -1,0 +1,295 @@
+//! `cable-robot simulate`: a scenario, run.
+
+mod fmu_model;
+pub mod source;
+mod summary;
+
+use std::io::{Write, stdout};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Error, Result, bail, ensure};
+use cable_robot::fmi::Model;
+use cable_robot::plan::Status;
+use cable_robot::report::Recording;
+use cable_robot::report::run_folder::{self, FORMAT, RunFolder, RunInfo};
+use cable_robot::robot::Pose;
+use cable_robot::sim::closed_loop::{library_controller, library_plant};
+use cable_robot::sim::scenario::{MOST_STEPS, count_steps};
+use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
+use clap::error::ErrorKind;
+use clap::{Args, Command, ValueHint};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use self::fmu_model::FmuModel;
+use self::summary::Summary;
+use crate::arguments::{Planner, pose, seconds};
+use crate::rig::{RigArgument, require_rest};
+use crate::{Outcome, is_closed_pipe, print, print_json};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot simulate paper --output run
+         cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
+Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
+GoalUnreachable or SensorFault, 130 interrupted; what was recorded until then is written.";
+
+/// A simulation that lasts longer shows how far it is.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+#[derive(Args)]
+pub struct Simulate {
+    /// A bundled scenario by its name, or a scenario file (TOML)
+    #[arg(
+        value_name = "SCENARIO",
+        value_hint = ValueHint::FilePath,
+        conflicts_with_all = ["rig", "from", "to", "duration", "step", "planner"]
+    )]
+    scenario: Option<String>,
+    /// Lists the bundled scenarios
+    #[arg(long, exclusive = true)]
+    list: bool,
+    #[command(flatten)]
+    rig: RigArgument,
+    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad; without it the rig's home
+    #[arg(long, value_parser = pose, allow_hyphen_values = true)]
+    from: Option<Pose>,
+    /// x,y,z[,roll,pitch,yaw] of the goal, m and rad: a scenario of one goal, without a file
+    #[arg(long, value_parser = pose, allow_hyphen_values = true)]
+    to: Option<Pose>,
+    /// Simulated time, s
+    #[arg(long, value_parser = seconds, default_value = "12", allow_negative_numbers = true)]
+    duration: f64,
+    /// Time between two steps of the controller, s
+    #[arg(long, value_parser = seconds, default_value = "0.001", allow_negative_numbers = true)]
+    step: f64,
+    /// Reachable domain to plan with
+    #[arg(long, value_enum, default_value_t = Planner::Bounded)]
+    planner: Planner,
+    /// A controller or plant (FMI 2.0 or 3.0 co-simulation) in place of ours; may be given twice
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    fmu: Vec<PathBuf>,
+    /// Writes run.csv and run.json into this folder, instead of the CSV to stdout
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    output: Option<PathBuf>,
+    /// Prints the summary for machines to stdout; the CSV is written only with --output
+    #[arg(long)]
+    json: bool,
+}
+
+/// What runs in the loop, and what `run.json` says of it.
+struct Models {
+    controller: Box<dyn ControllerModel>,
+    plant: Box<dyn PlantModel>,
+    controller_info: run_folder::Model,
+    plant_info: run_folder::Model,
+    /// Columns that they cannot fill.
+    lacking: Vec<String>,
+}
+
+impl Simulate {
+    pub fn run(&self) -> Result<Outcome> {
+        if self.list {
+            let list = source::list()?;
+            let lines = list.iter().map(|(name, title)| format!("{name:<13}{title}\n"));
+            print(&lines.collect::<String>())?;
+            return Ok(Outcome::Done);
+        }
+        let scenario = self.scenario()?;
+        let name = if self.from.is_some() { "--from" } else { "start" };
+        require_rest(&scenario.controller, name, &scenario.plant.initial_pose)?;
+        if let Some(folder) = &self.output {
+            prepare(folder)?;
+        }
+        let models = self.models(&scenario)?;
+        let info = self.info(&scenario, &models);
+        let lacking = models.lacking.clone();
+        let (mut recording, stop) = (Recording::new(), interruption()?);
+        let end = simulate(&scenario, models, &mut recording, &stop);
+
+        let mut table = recording.into_table();
+        if table.rows() == 0 {
+            return end.map(|()| Outcome::Done);
+        }
+        table.drop_columns(&lacking);
+        let recorded = RunFolder { info, table };
+        // What went well until a failure is worth keeping.
+        match &self.output {
+            Some(folder) => recorded.write(folder)?,
+            None if self.json => {}
+            None => match recorded.table.write_csv(stdout().lock()).map_err(Error::from) {
+                Err(error) if is_closed_pipe(&error) => {}
+                written => written.context("cannot write to stdout")?,
+            },
+        }
+        let status = self.tell(&scenario, &recorded)?;
+        end?;
+        Ok(match status {
+            _ if stop.load(Ordering::Relaxed) => {
+                eprintln!("interrupted: {:?} s were to be simulated", scenario.duration);
+                Outcome::Interrupted
+            }
+            Some(Status::GoalUnreachable | Status::SensorFault) => Outcome::NotReachable,
+            _ => Outcome::Done,
+        })
+    }
+
+    fn scenario(&self) -> Result<Scenario> {
+        match (&self.scenario, self.to) {
+            (Some(name), _) => source::named(name),
+            (None, Some(to)) => self.short_form(to),
+            (None, None) => {
+                let names = BUNDLED.map(|(name, _)| name).join(", ");
+                let wanted = format!("give a scenario ({names}, or a file), or a goal with --to x,y,z");
+                let mut command = Self::augment_args(Command::new("cable-robot simulate"));
+                command.error(ErrorKind::MissingRequiredArgument, wanted).exit()
+            }
+        }
+    }
+
+    /// One goal, an ideal rig.
+    fn short_form(&self, to: Pose) -> Result<Scenario> {
+        let file = self.rig.read()?;
+        let controller = self.rig.controller(self.planner.kind())?;
+        let from = self.from.unwrap_or(file.home);
+        ensure!(
+            self.step <= self.duration,
+            "--step {:?} s is longer than --duration {:?} s",
+            self.step,
+            self.duration
+        );
+        ensure!(
+            count_steps(self.duration, self.step).is_some(),
+            "--duration {:?} s in steps of {:?} s makes {:?} steps: 1 to {MOST_STEPS:?} are allowed",
+            self.duration,
+            self.step,
+            (self.duration / self.step).round(),
+        );
+        Ok(Scenario {
+            title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
+            rig: file.rig.name,
+            plant: PlantParameters { robot: controller.robot, initial_pose: from, ..Default::default() },
+            controller,
+            goals: vec![Goal { time: 0.0, pose: to }],
+            disturbances: vec![],
+            duration: self.duration,
+            step: self.step,
+        })
+    }
+
+    /// Ours, but for what an FMU replaces.
+    fn models(&self, scenario: &Scenario) -> Result<Models> {
+        let mut models = Models {
+            controller: Box::new(library_controller(scenario)?),
+            plant: Box::new(library_plant(scenario)?),
+            controller_info: run_folder::Model::Library,
+            plant_info: run_folder::Model::Library,
+            lacking: vec![],
+        };
+        for path in &self.fmu {
+            let fmu = FmuModel::open(path, scenario)?;
+            let (info, lacking) = (fmu.info(path.clone()), fmu.lacking());
+            let replaced = match fmu.model() {
+                Model::Controller => {
+                    models.controller = Box::new(fmu);
+                    std::mem::replace(&mut models.controller_info, info)
+                }
+                Model::Plant => {
+                    models.plant = Box::new(fmu);
+                    std::mem::replace(&mut models.plant_info, info)
+                }
+            };
+            if let run_folder::Model::Fmu { path: earlier, .. } = replaced {
+                bail!("{} and {} stand for the same model", earlier.display(), path.display());
+            }
+            if !lacking.is_empty() {
+                let mut names: Vec<_> =
+                    lacking.iter().filter_map(|name| name.split(['.', '[']).nth(1)).collect();
+                names.dedup();
+                eprintln!("{} lacks outputs, which are not recorded: {}", path.display(), names.join(", "));
+            }
+            models.lacking.extend(lacking);
+        }
+        Ok(models)
+    }
+
+    fn info(&self, scenario: &Scenario, models: &Models) -> RunInfo {
+        RunInfo {
+            format: FORMAT,
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            title: scenario.title.clone(),
+            scenario: self.scenario.clone(),
+            controller: models.controller_info.clone(),
+            plant: models.plant_info.clone(),
+            rig: scenario.rig.clone(),
+            step: scenario.step,
+            controller_parameters: scenario.controller,
+            plant_parameters: scenario.plant,
+        }
+    }
+
+    /// The summary: to stderr for people, to stdout for machines. What the controller said last.
+    fn tell(&self, scenario: &Scenario, recorded: &RunFolder) -> Result<Option<Status>> {
+        let run = recorded.run()?;
+        let summary = Summary { scenario, run: &run, table: &recorded.table };
+        // Nothing depends on whether stderr is read.
+        let _ = write!(std::io::stderr(), "{}", summary.as_text());
+        if self.json {
+            print_json(&summary.as_json())?;
+        }
+        Ok(summary.status())
+    }
+}
+
+/// The folder exists and can be written into, before the work begins.
+fn prepare(folder: &Path) -> Result<()> {
+    ensure!(
+        (folder.is_dir() || !folder.exists())
+            && folder.extension().is_none_or(|extension| extension != "csv"),
+        "--output {}: a folder is wanted, into which run.csv and run.json are written",
+        folder.display()
+    );
+    Ok(run_folder::make(folder)?)
+}
+
+/// Becomes true at Ctrl-C, or when the program is asked to end; a second time ends it at once.
+fn interruption() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            std::process::exit(crate::INTERRUPTED.into());
+        }
+    })
+    .context("cannot listen to Ctrl-C")?;
+    Ok(stop)
+}
+
+/// Runs until the end of the scenario, or until it is to stop.
+fn simulate(scenario: &Scenario, models: Models, recording: &mut Recording, stop: &AtomicBool) -> Result<()> {
+    let mut closed_loop = ClosedLoop::with_models(scenario, models.controller, models.plant)?;
+    recording.push(closed_loop.moment());
+    let steps = count_steps(scenario.duration, scenario.step).unwrap_or(0);
+    let (bar, begun) = (progress(steps)?, Instant::now());
+    for k in 1..=steps {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        closed_loop.step()?;
+        recording.push(closed_loop.moment());
+        if bar.is_hidden() && begun.elapsed() > PATIENCE {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        bar.set_position(k);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Not shown yet, and on a terminal only.
+fn progress(steps: u64) -> Result<ProgressBar> {
+    let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
+    bar.set_style(ProgressStyle::with_template("{bar:40} {percent:>3} %, {eta} left")?);
+    Ok(bar)
+}

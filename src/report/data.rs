@@ -1,0 +1,185 @@
+//! What the page's scripts draw: the robot, the plane, and the drawn rows of the history, as JSON.
+
+use serde::Serialize;
+
+use super::domains::{domain, vertices};
+use super::explanation;
+use super::history::History;
+use super::thinning::{drawn_rows, rounded};
+use crate::reach::static_workspace;
+use crate::robot::geometry::FACET_NORMALS;
+use crate::robot::{CABLES, Geometry, PerCable, Pose};
+
+/// Steps to the unit in which positions (m), angles (rad) and times (s) are given.
+const FINE: f64 = 1e6;
+/// Steps to a newton.
+const NEWTON: f64 = 1e4;
+/// Of more set points than this, the domains of the first ones only are drawn.
+const MOST_DOMAINS: usize = 100;
+
+/// Lengths in m, tensions in N, times in s, `row` an index into the drawn rows.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Data {
+    anchors: PerCable<[f64; 3]>,
+    attachments: PerCable<[f64; 3]>,
+    normals: PerCable<[f64; 2]>,
+    /// Both ends of each facet of the static workspace.
+    facets: PerCable<[[f64; 2]; 2]>,
+    /// Distance of the facets from the middle.
+    apothem: f64,
+    workspace: Vec<[f64; 2]>,
+    limits: Limits,
+    /// Greatest tension measured.
+    tension_top: f64,
+    statuses: [&'static str; 7],
+    set_points: Vec<SetPoint>,
+    goals: Vec<Goal>,
+    /// From when to when a cable was slack.
+    slack_spans: Vec<[f64; 2]>,
+    rows: Rows,
+}
+
+#[derive(Serialize)]
+struct Limits {
+    min: f64,
+    max: f64,
+}
+
+#[derive(Serialize)]
+struct SetPoint {
+    row: usize,
+    pose: [f64; 6],
+    /// Outline of the domain that it was chosen from.
+    domain: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Serialize)]
+struct Goal {
+    row: usize,
+    pose: [f64; 6],
+}
+
+/// A column a quantity.
+#[derive(Serialize)]
+struct Rows {
+    time: Vec<f64>,
+    pose: [Vec<f64>; 6],
+    tension: PerCable<Vec<f64>>,
+    predicted: Option<PerCable<Vec<Option<f64>>>>,
+    /// Bit i is set where cable i + 1 is slack.
+    slack: Vec<u32>,
+    margin: Vec<f64>,
+    p: [Vec<Option<f64>>; 2],
+    status: Option<Vec<i32>>,
+}
+
+impl Data {
+    /// Of a history with at least one row.
+    pub fn new(history: &History) -> Self {
+        let (set_points, goals) = (history.set_point_rows(), history.goal_rows());
+        let drawn = shown(history, &set_points, &goals);
+        let place = |row: usize| drawn.partition_point(|k| *k < row);
+        let robot = &history.info.plant_parameters.robot;
+        let geometry = Geometry::new(robot);
+        let limits = &history.info.controller_parameters;
+        let chosen = |(i, row): (usize, &usize)| SetPoint {
+            row: place(*row),
+            pose: shortened(&history.set_point[*row]),
+            domain: (1..MOST_DOMAINS)
+                .contains(&i)
+                .then(|| domain(history, set_points[i - 1], *row))
+                .flatten()
+                .map(|outline| outline.iter().map(|point| point.map(|x| rounded(x, FINE))).collect()),
+        };
+        let goal = |row: &usize| Goal { row: place(*row), pose: shortened(&history.goal[*row]) };
+        let tension = history.run.tension.iter().flatten();
+        Self {
+            anchors: geometry.anchor.map(Into::into),
+            attachments: geometry.attachment.map(Into::into),
+            normals: FACET_NORMALS.map(Into::into),
+            facets: FACET_NORMALS.map(|n| facet(n.into(), robot.a / 2.0)),
+            apothem: robot.a / 2.0,
+            workspace: vertices(&static_workspace(robot), 2.0 * robot.a).unwrap_or_default(),
+            limits: Limits { min: limits.min_tension, max: limits.max_tension },
+            tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
+            statuses: [
+                "",
+                "disabled",
+                "holding",
+                "moving",
+                "at the goal",
+                "goal unreachable",
+                "sensor fault",
+            ],
+            set_points: set_points.iter().enumerate().map(chosen).collect(),
+            goals: goals.iter().map(goal).collect(),
+            slack_spans: slack_spans(history),
+            rows: Rows::new(history, &drawn),
+        }
+    }
+
+    /// How many rows are drawn.
+    pub fn rows(&self) -> usize {
+        self.rows.time.len()
+    }
+}
+
+impl Rows {
+    fn new(history: &History, drawn: &[usize]) -> Self {
+        let run = &history.run;
+        let of = |column: &[f64], steps| drawn.iter().map(|row| rounded(column[*row], steps)).collect();
+        let points: Vec<_> = drawn.iter().map(|row| explanation::moving_point(history, *row)).collect();
+        let mask = |row: &usize| (0..CABLES).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
+        let newtons = |u: Vec<Option<f64>>| u.iter().map(|u| u.map(|u| rounded(u, NEWTON))).collect();
+        Self {
+            time: of(&run.times, FINE),
+            pose: std::array::from_fn(|k| {
+                drawn.iter().map(|row| rounded(history.pose[*row].0[k], FINE)).collect()
+            }),
+            tension: run.tension.each_ref().map(|column| of(column, NEWTON)),
+            predicted: explanation::predicted(history, drawn)
+                .map(|rows| explanation::columns(&rows).map(newtons)),
+            slack: drawn.iter().map(mask).collect(),
+            margin: of(&run.tension_margin, NEWTON),
+            p: [0, 1].map(|k| points.iter().map(|p| p.map(|p| rounded(p[k], FINE))).collect()),
+            status: history.status.as_ref().map(|status| drawn.iter().map(|row| status[*row]).collect()),
+        }
+    }
+}
+
+/// The rows that are drawn: new set points and goals and the instants before them, changes of slack, extremes.
+fn shown(history: &History, set_points: &[usize], goals: &[usize]) -> Vec<usize> {
+    let run = &history.run;
+    let coordinates: [Vec<f64>; 6] =
+        std::array::from_fn(|k| history.pose.iter().map(|pose| pose.0[k]).collect());
+    let columns = coordinates.iter().chain(&run.tension).chain(&run.slack).chain([&run.tension_margin]);
+    let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
+    let jumps = set_points.iter().chain(goals);
+    let also: Vec<usize> = jumps.flat_map(|row| [row.saturating_sub(1), *row]).collect();
+    drawn_rows(history.len(), &columns, &also)
+}
+
+/// Times with a slack cable; what is nearer together than a thousandth of the run is one.
+fn slack_spans(history: &History) -> Vec<[f64; 2]> {
+    let times = &history.run.times;
+    let apart = (times[times.len() - 1] - times[0]) / 1e3;
+    let mut spans: Vec<[f64; 2]> = vec![];
+    for row in (0..times.len()).filter(|row| history.is_slack(*row)) {
+        match spans.last_mut() {
+            Some(last) if times[row] - last[1] <= apart => last[1] = times[row],
+            _ => spans.push([times[row]; 2]),
+        }
+    }
+    spans
+}
+
+/// Both ends of the side of a regular hexagon whose outward normal this is.
+fn facet(normal: [f64; 2], apothem: f64) -> [[f64; 2]; 2] {
+    let half = apothem / 3f64.sqrt();
+    [half, -half].map(|s| [normal[0] * apothem - normal[1] * s, normal[1] * apothem + normal[0] * s])
+}
+
+fn shortened(pose: &Pose) -> [f64; 6] {
+    std::array::from_fn(|k| rounded(pose.0[k], FINE))
+}

@@ -1,0 +1,105 @@
+// Curves over time, drawn by uPlot; the cursor is a line of our own, so that moving it draws nothing anew.
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/**
+ * A chart in `box`. `lines`: {values, colour, dash, step, name}, a name is written at the line's end. `limits`: values of red lines.
+ * `scrub(time)` is called when a pointer presses or drags on it. Gives {show(row), focus(i), redraw()}.
+ */
+function chart(box, run, { label, height, range, lines, limits = [], last, scrub }) {
+  const { time } = run.rows;
+  const ends = [time[0], time.at(-1) > time[0] ? time.at(-1) : time[0] + 1];
+  const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+  const plot = new uPlot({
+    width: Math.max(200, box.clientWidth), height, padding: [8, 26, last ? 0 : 6, 0], cursor: { show: false }, select: { show: false },
+    legend: { show: false }, focus: { alpha: 0.16 },
+    scales: { x: { time: false, range: () => ends }, y: { range: () => range } },
+    axes: [
+      { ...axis, size: last ? 34 : 0, show: true, values: last ? (_, ticks) => ticks.map((t) => (t === ticks.at(-1) ? `${t} s` : t)) : () => [] },
+      { ...axis, size: 48, space: 26 },
+    ],
+    series: [{}, ...lines.map((line) => ({
+      stroke: () => colour(line.colour), width: line.dash ? 1.3 : 2.4, dash: line.dash, points: { show: false }, spanGaps: false,
+      paths: line.step ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
+    }))],
+    hooks: {
+      drawClear: [(u) => slackSpans(u, run)],
+      draw: [(u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines)],
+    },
+  }, [time, ...lines.map((line) => line.values)], box);
+  box.classList.add("chart");
+  set(box, { role: "img", "aria-label": label });
+  const cursor = document.createElement("div");
+  cursor.className = "cursor";
+  plot.over.append(cursor);
+  let row = 0;
+  const show = (at) => {
+    row = at;
+    cursor.style.transform = `translateX(${plot.valToPos(time[at], "x").toFixed(1)}px)`;
+  };
+  new ResizeObserver(() => {
+    plot.setSize({ width: Math.max(200, box.clientWidth), height });
+    show(row);
+  }).observe(box);
+  const point = (event) => scrub(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
+  let pressed = false;
+  plot.over.addEventListener("pointerdown", (event) => { pressed = true; plot.over.setPointerCapture(event.pointerId); point(event); });
+  plot.over.addEventListener("pointermove", (event) => pressed && point(event));
+  for (const end of ["pointerup", "pointercancel"]) plot.over.addEventListener(end, () => { pressed = false; });
+  return { show, redraw: () => plot.redraw(), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
+}
+
+/** Where a cable is slack the background is red. */
+function slackSpans(u, run) {
+  const { left, top, width, height } = u.bbox;
+  u.ctx.save();
+  u.ctx.fillStyle = colour("--slack") + "33";
+  for (const [from, to] of run.slackSpans) {
+    const [x0, x1] = [from, to].map((t) => Math.min(left + width, Math.max(left, u.valToPos(t, "x", true))));
+    u.ctx.fillRect(x0, top, Math.max(2, x1 - x0), height);
+  }
+  u.ctx.restore();
+}
+
+function limitLine(u, value) {
+  const y = u.valToPos(value, "y", true), { left, top, width, height } = u.bbox;
+  if (y < top - 1 || y > top + height + 1) return;
+  u.ctx.save();
+  u.ctx.strokeStyle = colour("--slack");
+  u.ctx.lineWidth = 1.5 * devicePixelRatio;
+  u.ctx.setLineDash([10, 3, 2, 3].map((d) => d * devicePixelRatio));
+  u.ctx.beginPath();
+  u.ctx.moveTo(left, y);
+  u.ctx.lineTo(left + width, y);
+  u.ctx.stroke();
+  u.ctx.restore();
+}
+
+/** Names at the right ends of the lines, moved apart. */
+function names(u, lines) {
+  const gap = 12 * devicePixelRatio, { left, top, width, height } = u.bbox;
+  const labels = lines.filter((line) => line.name).map((line) => {
+    const end = line.values.findLast((value) => value !== null) ?? 0;
+    return { text: line.name, fill: colour(line.colour), y: u.valToPos(end, "y", true) };
+  }).sort((a, b) => a.y - b.y);
+  labels.forEach((label, k) => { if (k) label.y = Math.max(label.y, labels[k - 1].y + gap); });
+  const over = Math.max(0, (labels.at(-1)?.y ?? 0) - (top + height));
+  u.ctx.save();
+  u.ctx.font = `600 ${11.5 * devicePixelRatio}px system-ui, sans-serif`;
+  u.ctx.textAlign = "left";
+  u.ctx.textBaseline = "middle";
+  for (const { text, fill, y } of labels) {
+    u.ctx.fillStyle = fill;
+    u.ctx.fillText(text, left + width + 5 * devicePixelRatio, y - over);
+  }
+  u.ctx.restore();
+}
+
+/** From the least to the greatest of `columns`, at least `least` wide, with a little room. */
+function rangeOf(columns, least) {
+  const values = columns.flat().filter((value) => value !== null);
+  const bound = (pick, start) => values.reduce((a, b) => pick(a, b), start);
+  const [low, high] = [bound(Math.min, values[0] ?? 0), bound(Math.max, values[0] ?? 0)];
+  const room = Math.max(0.08 * (high - low), (least - (high - low)) / 2, 1e-9);
+  return [low - room, high + room];
+}

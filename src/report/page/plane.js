@@ -1,0 +1,117 @@
+// The base plane as seen from below (x to the right, y up): workspace, reachable domains, path, and p, which tells why a cable goes slack.
+
+/** Draws the plane into `box`; gives `show(row)`. */
+function plane(box, run) {
+  const { rows } = run, MANY = 12;
+  let parts = null, row = 0, at = null;
+
+  /** Metres to pixels: the workspace, the path and what is near them, x and y alike. */
+  function scaled(width, height) {
+    const reach = 2.2 * run.apothem;
+    const near = (v) => Math.max(-reach, Math.min(reach, v));
+    const points = [...run.workspace, ...run.setPoints.map((s) => s.pose), ...run.goals.map((g) => g.pose)];
+    const side = [0, 1].map((k) => {
+      const values = [...points.map((p) => near(p[k])), near(Math.min(...rows.pose[k])), near(Math.max(...rows.pose[k]))];
+      return [Math.min(...values), Math.max(...values)];
+    });
+    const [[left, right], [bottom, top]] = side;
+    const scale = Math.min((width - 56) / (right - left), (height - 56) / (top - bottom));
+    return ([x, y]) => [width / 2 + (x - (left + right) / 2) * scale, height / 2 - (y - (bottom + top) / 2) * scale];
+  }
+
+  function draw(svg, width, height) {
+    at = scaled(width, height);
+    const line = (points, name, closed) => shape(svg, "path", { class: name, d: pathOf(points.map(at), closed) });
+    parts = {};
+    line(run.workspace, "hexagon", true);
+    parts.domains = run.setPoints.map((s) => (s.domain ? line(s.domain, "domain", true) : null));
+    scaleBar(svg, width, height);
+    const thin = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 600) === 0 || k === all.length - 1);
+    parts.pTrail = shape(svg, "path", { class: "p-trail" });
+    parts.thin = thin;
+    line(thin.map((k) => [rows.pose[0][k], rows.pose[1][k]]), "path ahead");
+    parts.path = shape(svg, "path", { class: "path" });
+    parts.reach = shape(svg, "path", { class: "reach-line" });
+    parts.facet = shape(svg, "path", { class: "facet" });
+    run.normals.forEach((n, i) => {
+      const [x, y] = at([n[0] * run.apothem, n[1] * run.apothem]);
+      shape(svg, "text", { class: "soft", x: x + 15 * n[0], y: y - 13 * n[1], "text-anchor": "middle", dy: "0.35em" }, i + 1);
+    });
+    parts.goal = shape(svg, "path", { class: "goal-mark" });
+    parts.goalName = shape(svg, "text", {}, "goal");
+    setPoints(svg);
+    parts.centre = shape(svg, "circle", { class: "centre", r: 5 });
+    parts.p = shape(svg, "circle", { class: "p", r: 5.5 });
+    parts.pName = shape(svg, "text", { class: "strong" }, "p");
+    move();
+  }
+
+  /** Dots with numbers; a number that would stand on another one is left out. */
+  function setPoints(svg) {
+    const written = [];
+    parts.dots = run.setPoints.map((s, i) => {
+      const [cx, cy] = at(s.pose);
+      const label = [cx + (i % 2 ? 9 : -9), cy + (i % 2 ? 13 : -9)];
+      if (written.every((w) => Math.hypot(w[0] - label[0], w[1] - label[1]) > 13)) {
+        shape(svg, "text", { x: label[0], y: label[1], "text-anchor": i % 2 ? "start" : "end" }, i);
+        written.push(label);
+      }
+      return shape(svg, "circle", { class: "set-point-dot", cx, cy, r: 3.5 });
+    });
+  }
+
+  function scaleBar(svg, width, height) {
+    const metre = at([1, 0])[0] - at([0, 0])[0];
+    // A round length of at most 120 pixels.
+    const ten = 10 ** Math.floor(Math.log10(120 / metre)), metres = [5, 2, 1].find((k) => k * ten * metre <= 120) * ten;
+    const length = metres * metre;
+    shape(svg, "path", { class: "axis", d: `M8 ${height - 10}v4h${length.toFixed(1)}v-4` });
+    shape(svg, "text", { class: "soft", x: 8, y: height - 14 }, `${+metres.toPrecision(1)} m`);
+    shape(svg, "path", { class: "axis", d: `M${width - 44} ${height - 10}h28m-5 -4l5 4l-5 4M${width - 44} ${height - 10}v-28m-4 5l4 -5l4 5` });
+    shape(svg, "text", { class: "soft", x: width - 13, y: height - 6 }, "x");
+    shape(svg, "text", { class: "soft", x: width - 48, y: height - 44 }, "y");
+  }
+
+  function move() {
+    const active = activeAt(run.setPoints, row), pose = poseAt(run, row), centre = at(pose);
+    parts.domains.forEach((domain, i) => {
+      if (!domain) return;
+      set(domain, { class: i === active ? "domain active" : "domain", visibility: i === active || parts.domains.length <= MANY ? "visible" : "hidden" });
+    });
+    parts.dots.forEach((dot, i) => set(dot, { class: i === active ? "set-point-dot active" : "set-point-dot" }));
+    set(parts.centre, { cx: centre[0], cy: centre[1] });
+    set(parts.path, { d: pathOf([...parts.thin.filter((k) => k < row), row].map((k) => at([rows.pose[0][k], rows.pose[1][k]]))) });
+    const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
+    set(parts.goal, { d: `M${gx - 7} ${gy - 7}l14 14m0 -14l-14 14` });
+    set(parts.goalName, { x: gx + 11, y: gy - 9 });
+    const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null);
+    set(parts.pTrail, { d: pathOf(past.map((k) => at([rows.p[0][k], rows.p[1][k]]))) });
+    moveP();
+  }
+
+  function moveP() {
+    const near = nearestFacet(run, row);
+    for (const name of ["p", "pName", "facet", "reach"]) set(parts[name], { visibility: near ? "visible" : "hidden" });
+    if (!near) return;
+    const [x, y] = at(near.p), n = run.normals[near.cable];
+    set(parts.p, { cx: x, cy: y });
+    const atEdge = x > box.clientWidth - 24;
+    set(parts.pName, { x: atEdge ? x - 9 : x + 9, y: y - 8, "text-anchor": atEdge ? "end" : "start" });
+    const side = run.facets[near.cable];
+    set(parts.facet, { d: pathOf(side.map(at)), class: near.distance > 0 ? "facet" : "facet crossed" });
+    const foot = [near.p[0] + n[0] * near.distance, near.p[1] + n[1] * near.distance];
+    set(parts.reach, { d: pathOf([[x, y], at(foot)]) });
+  }
+
+  canvas(box, draw);
+  return { show(to) { row = to; if (parts) move(); } };
+}
+
+/** p, the facet it is nearest to (or farthest beyond) and how far inside it is, m; null where there is no p. */
+function nearestFacet(run, row) {
+  const p = run.rows.p.map((column) => column[row]);
+  if (p[0] === null) return null;
+  const distances = run.normals.map((n) => run.apothem - n[0] * p[0] - n[1] * p[1]);
+  const distance = Math.min(...distances);
+  return { p, cable: distances.indexOf(distance), distance };
+}

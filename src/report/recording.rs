@@ -1,0 +1,122 @@
+//! Which columns a run has, and how a simulation fills them.
+
+use super::table::Table;
+use crate::fmi::models::{controller, plant};
+use crate::fmi::values::Values;
+use crate::fmi::variables::{Causality, Row};
+use crate::fmi::{MODELS, Model};
+use crate::sim::Moment;
+
+/// The columns of a run after `time`: every output of plant and controller and the inputs that come from outside, by the
+/// names of the FMUs' variables (`plant.encoderPose.x`, `controller.setPoint.x`, ...).
+pub fn columns() -> Vec<String> {
+    variables().into_iter().map(|(model, name, _)| column(model, &name)).collect()
+}
+
+/// The column of a model's variable.
+pub fn column(model: Model, variable: &str) -> String {
+    match model {
+        Model::Plant => format!("plant.{variable}"),
+        Model::Controller => format!("controller.{variable}"),
+    }
+}
+
+/// Model, name and value reference of what is recorded.
+fn variables() -> Vec<(Model, String, u32)> {
+    let outside = |row: &&Row| row.name == "goalPose" || row.name.starts_with("disturbance");
+    let of = |model: Model| {
+        let inputs = model.rows_with(Causality::Input).filter(outside);
+        let rows = model.rows_with(Causality::Output).chain(inputs);
+        rows.flat_map(move |row| row.references().map(move |i| (model, row.scalar_name(i), i)))
+    };
+    of(Model::Plant).chain(of(Model::Controller)).collect()
+}
+
+/// Takes down the moments of a simulation.
+pub struct Recording {
+    variables: Vec<(Model, String, u32)>,
+    /// In the order of [`MODELS`].
+    values: [Values; 2],
+    table: Table,
+}
+
+impl Recording {
+    /// Nothing taken down yet.
+    pub fn new() -> Self {
+        let values = MODELS.map(|model| Values::new(model.rows()));
+        Self { variables: variables(), values, table: Table::new(columns()) }
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, moment: &Moment) {
+        let row = self.row(moment);
+        self.table.push(moment.time, &row);
+    }
+
+    /// A moment's values in the order of [`columns`], without taking it down.
+    pub fn row(&mut self, moment: &Moment) -> Vec<f64> {
+        let [of_controller, of_plant] = &mut self.values;
+        controller::write_inputs(&moment.controller_inputs, of_controller);
+        controller::write(&moment.controller, of_controller);
+        plant::write_inputs(&moment.plant_inputs, of_plant);
+        plant::write(&moment.plant, of_plant);
+        let value =
+            |(model, _, reference): &(Model, String, u32)| self.values[*model as usize].at(*reference);
+        self.variables.iter().map(value).collect()
+    }
+
+    /// What was taken down.
+    pub fn into_table(self) -> Table {
+        self.table
+    }
+}
+
+impl Default for Recording {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Pose;
+    use crate::sim::{ClosedLoop, Goal, PlantParameters, Scenario};
+
+    #[test]
+    fn the_columns_are_the_variables_of_the_fmus() {
+        let columns = columns();
+        assert_eq!(columns[..2], ["plant.encoderPose.x", "plant.encoderPose.y"]);
+        for name in
+            ["plant.disturbanceTorque.z", "plant.slack[6]", "controller.goalPose.yaw", "controller.status"]
+        {
+            assert!(columns.iter().any(|column| column == name), "{name}");
+        }
+        assert!(!columns.iter().any(|column| column == "plant.motorTension[1]"), "comes from the controller");
+    }
+
+    #[test]
+    fn a_row_holds_what_controller_and_plant_said() {
+        let scenario = Scenario {
+            title: String::new(),
+            rig: String::new(),
+            controller: Default::default(),
+            plant: PlantParameters::default(),
+            goals: vec![Goal { time: 0.0, pose: Pose::at(0.05, 0.0, 1.0) }],
+            disturbances: vec![],
+            duration: 1.0,
+            step: 0.1,
+        };
+        let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
+        let mut recording = Recording::new();
+        recording.push(closed_loop.moment());
+        closed_loop.step().unwrap();
+        recording.push(closed_loop.moment());
+        let (table, moment) = (recording.into_table(), closed_loop.moment());
+        let last = |name: &str| *table.column(name).unwrap().last().unwrap();
+        assert_eq!((table.rows(), last("time"), last("controller.goalPose.x")), (2, 0.1, 0.05));
+        assert_eq!(last("controller.motorTension[6]"), moment.controller.motor_tension[5]);
+        assert_eq!(last("plant.measuredTension[1]"), moment.plant.measured_tension[0]);
+        assert_eq!(last("controller.status"), f64::from(moment.controller.status as i32));
+    }
+}

@@ -1,0 +1,201 @@
+//! Columns of numbers with names, and the CSV file they make.
+
+use std::io::{Read, Write};
+
+use thiserror::Error;
+
+/// Columns of one length, each with its name; the first is `time` (s).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    names: Vec<String>,
+    columns: Vec<Vec<f64>>,
+}
+
+/// What is wrong with a CSV file. Lines and columns are counted from 1; the header is line 1.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// The file cannot be read, or is not CSV: a row of another length, text that is not UTF-8.
+    #[error("{0}")]
+    Csv(#[from] csv::Error),
+    /// The header does not start with `time`.
+    #[error("line 1: the first column is {found:?}; it must be \"time\"")]
+    NoTime {
+        /// What stands there.
+        found: String,
+    },
+    /// Two columns of one name.
+    #[error("line 1: there are two columns {name:?}")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// A column that is needed is not there.
+    #[error("line 1: there is no column {name:?}")]
+    Missing {
+        /// The name looked for.
+        name: String,
+    },
+    /// A field that holds no number.
+    #[error("line {line}, column {column} ({name}): {text:?} is not a finite number")]
+    NotANumber {
+        /// Line of the file.
+        line: u64,
+        /// Number of the column.
+        column: usize,
+        /// Its name.
+        name: String,
+        /// What stands there.
+        text: String,
+    },
+    /// Times that do not grow.
+    #[error("line {line}: time = {time} does not come after {before}, the time of the row before")]
+    Order {
+        /// Line of the file.
+        line: u64,
+        /// s.
+        time: f64,
+        /// s.
+        before: f64,
+    },
+    /// A header and nothing else.
+    #[error("there is no row below the header; a run has at least one")]
+    Empty,
+}
+
+impl Table {
+    /// An empty table: `time` and these columns.
+    pub fn new(names: impl IntoIterator<Item = String>) -> Self {
+        let names: Vec<_> = std::iter::once("time".to_owned()).chain(names).collect();
+        Self { columns: vec![Vec::new(); names.len()], names }
+    }
+
+    /// Adds a row: the time (s) and a value for each other column, in their order.
+    ///
+    /// # Panics
+    /// If there are more or fewer values than columns.
+    pub fn push(&mut self, time: f64, values: &[f64]) {
+        assert_eq!(values.len() + 1, self.names.len(), "a value for each column");
+        let row = std::iter::once(&time).chain(values);
+        self.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
+    }
+
+    /// Names of the columns, `time` first.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// The column of this name, if there is one.
+    pub fn get(&self, name: &str) -> Option<&[f64]> {
+        let index = self.names.iter().position(|known| known == name)?;
+        Some(&self.columns[index])
+    }
+
+    /// The column of this name.
+    ///
+    /// # Errors
+    /// [`TableError::Missing`].
+    pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
+        self.get(name).ok_or_else(|| TableError::Missing { name: name.to_owned() })
+    }
+
+    /// Takes out the columns of these names.
+    pub fn drop_columns(&mut self, names: &[String]) {
+        let (all, columns) = (std::mem::take(&mut self.names), std::mem::take(&mut self.columns));
+        let kept = all.into_iter().zip(columns).filter(|(name, _)| !names.contains(name));
+        (self.names, self.columns) = kept.unzip();
+    }
+
+    /// Writes CSV: the names, then a line a row, every number in full.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn write_csv(&self, writer: impl Write) -> Result<(), csv::Error> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(&self.names)?;
+        for row in 0..self.rows() {
+            csv.serialize(self.columns.iter().map(|column| column[row]).collect::<Vec<_>>())?;
+        }
+        Ok(csv.flush()?)
+    }
+
+    /// Reads what [`write_csv`](Self::write_csv) wrote; columns may stand in any order, `time` first.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column.
+    pub fn read_csv(reader: impl Read) -> Result<Self, TableError> {
+        let mut csv = csv::Reader::from_reader(reader);
+        let names: Vec<String> = csv.headers()?.iter().map(str::to_owned).collect();
+        let first = names.first().cloned().unwrap_or_default();
+        if first != "time" {
+            return Err(TableError::NoTime { found: first });
+        }
+        if let Some(k) = (1..names.len()).find(|k| names[..*k].contains(&names[*k])) {
+            return Err(TableError::Twice { name: names[k].clone() });
+        }
+        let mut table = Self { columns: vec![Vec::new(); names.len()], names };
+        let mut record = csv::StringRecord::new();
+        while csv.read_record(&mut record)? {
+            table.take(&record)?;
+        }
+        if table.rows() == 0 { Err(TableError::Empty) } else { Ok(table) }
+    }
+
+    /// Adds a row of text.
+    fn take(&mut self, record: &csv::StringRecord) -> Result<(), TableError> {
+        let line = record.position().map_or(0, csv::Position::line);
+        let before = self.columns[0].last().copied();
+        for (k, text) in record.iter().enumerate() {
+            let number: Option<f64> = text.trim().parse().ok();
+            let Some(value) = number.filter(|value| value.is_finite()) else {
+                let (name, text) = (self.names[k].clone(), text.to_owned());
+                return Err(TableError::NotANumber { line, column: k + 1, name, text });
+            };
+            self.columns[k].push(value);
+        }
+        let time = self.columns[0].last().copied();
+        match (before, time) {
+            (Some(before), Some(time)) if time <= before => Err(TableError::Order { line, time, before }),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        Table::read_csv(text.as_bytes()).expect_err(text).to_string()
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_to_the_bit() {
+        let mut table = Table::new(["a".to_owned(), "b,\"c\"".to_owned()]);
+        table.push(0.0, &[0.1 + 0.2, -0.0]);
+        table.push(1e-3, &[f64::MIN_POSITIVE, 1.0 / 3.0]);
+        let mut text = vec![];
+        table.write_csv(&mut text).unwrap();
+        assert_eq!(Table::read_csv(text.as_slice()).unwrap(), table);
+        assert_eq!(table.column("a").unwrap()[0], 0.1 + 0.2);
+        assert!(table.column("c").unwrap_err().to_string().contains("no column \"c\""));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_line_and_column() {
+        assert_eq!(refusal("x,y\n1,2\n"), "line 1: the first column is \"x\"; it must be \"time\"");
+        assert_eq!(refusal(""), "line 1: the first column is \"\"; it must be \"time\"");
+        assert_eq!(refusal("time,a,a\n0,1,2\n"), "line 1: there are two columns \"a\"");
+        assert_eq!(refusal("time,a\n"), "there is no row below the header; a run has at least one");
+        let word = refusal("time,a\n0,1\n1,fast\n");
+        assert_eq!(word, "line 3, column 2 (a): \"fast\" is not a finite number");
+        assert!(refusal("time,a\n0,NaN\n").starts_with("line 2, column 2 (a): \"NaN\""));
+        assert!(refusal("time,a\n0,1\n1\n").contains("line: 3"), "{}", refusal("time,a\n0,1\n1\n"));
+        let back = refusal("time\n0\n2\n1\n");
+        assert_eq!(back, "line 4: time = 1 does not come after 2, the time of the row before");
+    }
+}

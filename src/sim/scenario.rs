@@ -1,0 +1,130 @@
+//! What happens in a simulation: goals and disturbances over time, robot, controller and imperfections.
+
+use nalgebra::Vector3;
+
+use super::PlantParameters;
+use crate::plan::ControllerParameters;
+use crate::robot::Pose;
+
+/// Steps that a simulation may have.
+pub const MOST_STEPS: f64 = 1e6;
+/// What is due at a time is not missed for the rounding of `k * step`, s.
+const ROUNDING: f64 = 1e-9;
+
+/// A simulation, before it is run. Times are counted from its start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// What it shows, in a line.
+    pub title: String,
+    /// Name of the rig.
+    pub rig: String,
+    /// The controller, with the robot it believes in.
+    pub controller: ControllerParameters,
+    /// The plant: robot, start and imperfections.
+    pub plant: PlantParameters,
+    /// Goals in the order of their times.
+    pub goals: Vec<Goal>,
+    /// Disturbances; where several act at once they add up.
+    pub disturbances: Vec<Disturbance>,
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Time between two steps of the controller, s.
+    pub step: f64,
+}
+
+/// A goal and when it is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// s.
+    pub time: f64,
+    /// x_f.
+    pub pose: Pose,
+}
+
+/// A force and a torque on the platform, both in the base frame, that act from one time until another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// First instant, s.
+    pub from: f64,
+    /// First instant after it, s; infinite if it lasts.
+    pub until: f64,
+    /// On the centre of mass, N.
+    pub force: Vector3<f64>,
+    /// N m.
+    pub torque: Vector3<f64>,
+}
+
+/// How many steps make the duration (both in s); `None` if none or more than [`MOST_STEPS`].
+pub fn count_steps(duration: f64, step: f64) -> Option<u64> {
+    let steps = (duration / step).round();
+    (1.0..=MOST_STEPS).contains(&steps).then_some(steps as u64)
+}
+
+impl Scenario {
+    /// The goal at `time` (s): before the first one is given, the start.
+    pub fn goal_at(&self, time: f64) -> Pose {
+        let given = self.goals.iter().take_while(|goal| goal.time <= time + ROUNDING);
+        given.last().map_or(self.plant.initial_pose, |goal| goal.pose)
+    }
+
+    /// Force (N) and torque (N m) on the platform in the step that begins at `time` (s).
+    pub fn disturbance_at(&self, time: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let now = time + ROUNDING;
+        let acting = self.disturbances.iter().filter(|d| d.from <= now && now < d.until);
+        let nothing = (Vector3::zeros(), Vector3::zeros());
+        acting.fold(nothing, |(force, torque), d| (force + d.force, torque + d.torque))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scenario() -> Scenario {
+        let gust = |from, until, x| Disturbance {
+            from,
+            until,
+            force: Vector3::new(x, 0.0, 0.0),
+            torque: Vector3::new(0.0, 0.0, 0.1 * x),
+        };
+        Scenario {
+            title: String::new(),
+            rig: String::new(),
+            controller: ControllerParameters::default(),
+            plant: PlantParameters::default(),
+            goals: [(0.3, 0.1), (0.7, 0.2)]
+                .map(|(time, x)| Goal { time, pose: Pose::at(x, 0.0, 1.0) })
+                .to_vec(),
+            disturbances: vec![gust(0.3, 0.7, 1.0), gust(0.6, f64::INFINITY, 2.0)],
+            duration: 1.0,
+            step: 0.1,
+        }
+    }
+
+    #[test]
+    fn goals_come_at_the_step_of_their_time() {
+        let scenario = scenario();
+        let x = |k: u32| scenario.goal_at(f64::from(k) * 0.1).0[0];
+        assert_eq!([0, 2, 3, 6, 7, 10].map(x), [0.0, 0.0, 0.1, 0.1, 0.2, 0.2]);
+        assert_eq!(scenario.goal_at(0.0), Pose::default());
+        let late = Scenario { goals: vec![Goal { time: 0.9, pose: Pose::at(0.1, 0.0, 1.0) }], ..scenario };
+        assert!(3.0 * 0.3 < 0.9 && late.goal_at(3.0 * 0.3) != Pose::default(), "rounding delays nothing");
+    }
+
+    #[test]
+    fn disturbances_act_for_whole_steps_and_add_up() {
+        let scenario = scenario();
+        let x = |k: u32| scenario.disturbance_at(f64::from(k) * 0.1).0.x;
+        assert_eq!([0, 2, 3, 5, 6, 7, 10].map(x), [0.0, 0.0, 1.0, 1.0, 3.0, 2.0, 2.0]);
+        assert!((scenario.disturbance_at(0.6).1.z - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn steps_are_counted_and_limited() {
+        assert_eq!(count_steps(12.0, 1e-3), Some(12_000));
+        assert_eq!(count_steps(0.3, 0.1), Some(3));
+        for (duration, step) in [(0.0, 0.1), (1.0, 10.0), (1e9, 0.1), (f64::NAN, 0.1), (1.0, 0.0)] {
+            assert_eq!(count_steps(duration, step), None, "{duration} {step}");
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Scenarios written as TOML: what a file may say, and what is wrong with one that is refused (docs/scenarios.md).
+
+mod fields;
+
+use nalgebra::Vector3;
+use schemars::transform::{RecursiveTransform, Transform};
+use schemars::{Schema, schema_for};
+use serde_json::Value;
+use thiserror::Error;
+use toml::Spanned;
+
+use super::PlantParameters;
+use super::scenario::{Disturbance, Goal, MOST_STEPS, Scenario, count_steps};
+use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
+use crate::reach::in_static_workspace;
+use crate::robot::{Coordinates, ParameterError, Pose};
+
+/// Step of a scenario that gives none, s.
+pub const DEFAULT_STEP: f64 = 1e-3;
+
+/// The text of a scenario, read but not yet joined with a rig.
+#[derive(Clone, Debug)]
+pub struct ScenarioFile {
+    text: String,
+    file: fields::File,
+}
+
+/// A scenario file that is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ScenarioFileError {
+    /// No TOML, an unknown or missing field, or a value of the wrong kind.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// A value that makes no sense.
+    #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
+    Value {
+        /// Line in the file, from 1.
+        line: usize,
+        /// The field, with its table; goals, disturbances and components counted from 1.
+        field: String,
+        /// The value given.
+        value: String,
+        /// What would be right.
+        allowed: String,
+    },
+}
+
+/// JSON Schema of scenario files, for editors: everything that can be said of one field at a time.
+pub fn schema() -> Schema {
+    let mut schema = schema_for!(fields::File);
+    // What may be left out has no null in its place, TOML knows none.
+    let tidy = |part: &mut Schema| {
+        if part.get("default").is_some_and(Value::is_null) {
+            part.remove("default");
+        }
+    };
+    RecursiveTransform(tidy).transform(&mut schema);
+    schema
+}
+
+impl ScenarioFile {
+    /// Reads the text of a scenario file.
+    ///
+    /// # Errors
+    /// [`ScenarioFileError::Toml`]; values are looked at by [`scenario`](Self::scenario).
+    pub fn parse(text: &str) -> Result<Self, ScenarioFileError> {
+        Ok(Self { file: toml::from_str(text)?, text: text.to_owned() })
+    }
+
+    /// What it shows, in a line.
+    pub fn title(&self) -> &str {
+        &self.file.title
+    }
+
+    /// Path of the rig file, relative to the scenario's; `None` for the paper's rig.
+    pub fn rig(&self) -> Option<&str> {
+        self.file.rig.as_deref()
+    }
+
+    /// The scenario on the rig of this name and home, whose controller `base` is where the file says nothing else.
+    ///
+    /// # Errors
+    /// [`ScenarioFileError::Value`]: the line, the field, its value and what is allowed.
+    pub fn scenario(
+        &self,
+        rig: &str,
+        home: Pose,
+        base: ControllerParameters,
+    ) -> Result<Scenario, ScenarioFileError> {
+        let (duration, step) = self.times()?;
+        let controller = self.controller(base);
+        let plant = self.plant(&controller, self.start(&controller, home)?);
+        controller.validate().map_err(|error| self.locate(&error))?;
+        plant.validate().map_err(|error| self.locate(&error))?;
+        Ok(Scenario {
+            title: self.file.title.clone(),
+            rig: rig.to_owned(),
+            controller,
+            plant,
+            goals: self.goals(duration)?,
+            disturbances: self.disturbances()?,
+            duration,
+            step,
+        })
+    }
+
+    fn controller(&self, base: ControllerParameters) -> ControllerParameters {
+        let given = &self.file.controller;
+        let planner = given.planner.map(|planner| match planner {
+            fields::Planner::Bounded => PlannerKind::Bounded,
+            fields::Planner::Exact => PlannerKind::Exact,
+        });
+        let pose_source = given.pose_source.map(|source| match source {
+            fields::PoseSource::EncoderPose => PoseSource::EncoderPose,
+            fields::PoseSource::CableLengths => PoseSource::CableLengths,
+        });
+        ControllerParameters {
+            robot: base.robot,
+            lambda: or(&given.lambda, base.lambda),
+            eta: or(&given.eta, base.eta),
+            planner_period: or(&given.planner_period, base.planner_period),
+            bisection_steps: or(&given.bisection_steps, base.bisection_steps),
+            min_tension: or(&given.min_tension, base.min_tension),
+            max_tension: or(&given.max_tension, base.max_tension),
+            planner: planner.unwrap_or(base.planner),
+            pose_source: pose_source.unwrap_or(base.pose_source),
+            force_loop: given.force_loop.unwrap_or(base.force_loop),
+        }
+    }
+
+    fn plant(&self, controller: &ControllerParameters, initial_pose: Pose) -> PlantParameters {
+        let given = &self.file.imperfections;
+        let ideal = PlantParameters { robot: controller.robot, initial_pose, ..PlantParameters::default() };
+        PlantParameters {
+            friction: or(&given.friction, ideal.friction),
+            motor_lag: or(&given.motor_lag, ideal.motor_lag),
+            encoder_resolution: or(&given.encoder_resolution, ideal.encoder_resolution),
+            load_cell_noise: or(&given.load_cell_noise, ideal.load_cell_noise),
+            noise_seed: given.noise_seed.unwrap_or(ideal.noise_seed),
+            ..ideal
+        }
+    }
+
+    fn times(&self) -> Result<(f64, f64), ScenarioFileError> {
+        let positive = |number: &Spanned<f64>, field| {
+            let value = *number.get_ref();
+            let ok = value.is_finite() && value > 0.0;
+            self.require(ok, number, field, value, "must be finite and greater than 0 (s)").map(|()| value)
+        };
+        let duration = positive(&self.file.duration, "duration")?;
+        let step = self.file.step.as_ref().map_or(Ok(DEFAULT_STEP), |step| positive(step, "step"))?;
+        let allowed = format!("in steps of {step} s it must make 1 to {MOST_STEPS} steps");
+        let ok = count_steps(duration, step).is_some();
+        self.require(ok, &self.file.duration, "duration", duration, &allowed)?;
+        Ok((duration, step))
+    }
+
+    fn start(&self, controller: &ControllerParameters, home: Pose) -> Result<Pose, ScenarioFileError> {
+        let Some(given) = &self.file.start else { return Ok(home) };
+        let pose = self.pose(given, "start")?;
+        let rests = in_static_workspace(&controller.robot, &pose.position().xy());
+        let allowed =
+            "it lies outside the static workspace: a cable is slack there, so there is no rest to start from";
+        self.require(rests, given, "start", format!("{:?}", given.get_ref()), allowed)?;
+        Ok(pose)
+    }
+
+    fn goals(&self, duration: f64) -> Result<Vec<Goal>, ScenarioFileError> {
+        let mut goals: Vec<Goal> = vec![];
+        for (i, table) in self.file.goals.iter().enumerate() {
+            let field = |name: &str| format!("goals[{}].{name}", i + 1);
+            let time = *table.time.get_ref();
+            let ok = (0.0..duration).contains(&time);
+            let allowed = format!("must be 0 or greater and less than the duration, {duration} s");
+            self.require(ok, &table.time, &field("time"), time, &allowed)?;
+            let before = goals.last().map_or(f64::NEG_INFINITY, |goal| goal.time);
+            let allowed = format!("must come after the goal before it, {before} s");
+            self.require(time > before, &table.time, &field("time"), time, &allowed)?;
+            goals.push(Goal { time, pose: self.pose(&table.pose, &field("pose"))? });
+        }
+        Ok(goals)
+    }
+
+    fn disturbances(&self) -> Result<Vec<Disturbance>, ScenarioFileError> {
+        let mut disturbances = vec![];
+        for (i, table) in self.file.disturbances.iter().enumerate() {
+            let field = |name: &str| format!("disturbances[{}].{name}", i + 1);
+            let from = *table.from.get_ref();
+            let ok = from.is_finite() && from >= 0.0;
+            self.require(ok, &table.from, &field("from"), from, "must be finite and 0 or greater (s)")?;
+            let until = or(&table.until, f64::INFINITY);
+            if let Some(given) = &table.until {
+                let allowed =
+                    format!("must be greater than from = {from} (s); without it the disturbance lasts");
+                self.require(until > from, given, &field("until"), until, &allowed)?;
+            }
+            let given = table.force.is_some() || table.torque.is_some();
+            let allowed = "a disturbance needs force = [x, y, z] (N), torque = [x, y, z] (N m), or both";
+            self.require(given, &table.from, &field("force"), "nothing", allowed)?;
+            let force = self.vector(table.force.as_ref(), &field("force"))?;
+            let torque = self.vector(table.torque.as_ref(), &field("torque"))?;
+            disturbances.push(Disturbance { from, until, force, torque });
+        }
+        Ok(disturbances)
+    }
+
+    /// Three or six numbers, below the base.
+    fn pose(&self, given: &Spanned<Vec<f64>>, field: &str) -> Result<Pose, ScenarioFileError> {
+        let numbers = given.get_ref();
+        let ok = matches!(numbers.len(), 3 | 6) && numbers.iter().all(|number| number.is_finite());
+        let allowed = "a pose is three finite numbers x, y, z (m), or six with roll, pitch, yaw (rad)";
+        self.require(ok, given, field, format!("{numbers:?}"), allowed)?;
+        let z = numbers[2];
+        let allowed = "z points down: a pose below the base has z > 0 (m)";
+        self.require(z > 0.0, given, &format!("{field}[3]"), z, allowed)?;
+        let mut pose = Coordinates::zeros();
+        pose.as_mut_slice()[..numbers.len()].copy_from_slice(numbers);
+        Ok(Pose(pose))
+    }
+
+    fn vector(
+        &self,
+        given: Option<&Spanned<[f64; 3]>>,
+        field: &str,
+    ) -> Result<Vector3<f64>, ScenarioFileError> {
+        let Some(given) = given else { return Ok(Vector3::zeros()) };
+        for (k, value) in given.get_ref().iter().enumerate() {
+            self.require(value.is_finite(), given, &format!("{field}[{}]", k + 1), value, "must be finite")?;
+        }
+        Ok((*given.get_ref()).into())
+    }
+
+    /// `ok` or an error for a value that stands where `at` does.
+    fn require<T>(
+        &self,
+        ok: bool,
+        at: &Spanned<T>,
+        field: &str,
+        value: impl ToString,
+        allowed: &str,
+    ) -> Result<(), ScenarioFileError> {
+        if ok { Ok(()) } else { Err(self.refusal(at.span().start, field, value, allowed)) }
+    }
+
+    fn refusal(&self, offset: usize, field: &str, value: impl ToString, allowed: &str) -> ScenarioFileError {
+        let line = self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1;
+        let (field, value, allowed) = (field.to_owned(), value.to_string(), allowed.to_owned());
+        ScenarioFileError::Value { line, field, value, allowed }
+    }
+
+    /// What the domain refuses, with the place in the file. A parameter that only the rig gives is refused for another that
+    /// the file gives: the least tension, above the rig's greatest.
+    fn locate(&self, error: &ParameterError) -> ScenarioFileError {
+        let (controller, rig) = (&self.file.controller, &self.file.imperfections);
+        let least = start_of(&controller.min_tension);
+        let (field, offset) = match error.name {
+            "lambda" => ("controller.lambda", start_of(&controller.lambda)),
+            "eta" => ("controller.eta", start_of(&controller.eta)),
+            "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),
+            "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
+            "minTension" => ("controller.min_tension", least),
+            "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),
+            "friction" => ("imperfections.friction", start_of(&rig.friction)),
+            "motorLag" => ("imperfections.motor_lag", start_of(&rig.motor_lag)),
+            "encoderResolution" => ("imperfections.encoder_resolution", start_of(&rig.encoder_resolution)),
+            "loadCellNoise" => ("imperfections.load_cell_noise", start_of(&rig.load_cell_noise)),
+            other => (other, None),
+        };
+        self.refusal(offset.unwrap_or(0), field, error.value, error.allowed)
+    }
+}
+
+fn or<T: Copy>(given: &Option<Spanned<T>>, otherwise: T) -> T {
+    given.as_ref().map_or(otherwise, |given| *given.get_ref())
+}
+
+fn start_of<T>(given: &Option<Spanned<T>>) -> Option<usize> {
+    given.as_ref().map(|given| given.span().start)
+}
+
+#[cfg(test)]
+mod tests;

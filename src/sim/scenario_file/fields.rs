@@ -1,0 +1,142 @@
+//! The fields of a scenario file, with what JSON Schema can say of each.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+/// A scenario for cable-robot: what happens in a simulation. SI units, angles in rad, z down; times from the start, s.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "cable-robot scenario")]
+pub struct File {
+    /// What the scenario shows, in a line.
+    pub title: String,
+    /// Path of a rig file, relative to this file; the paper's rig if left out.
+    #[schemars(with = "String", default)]
+    pub rig: Option<String>,
+    /// Pose at which the platform hangs at rest: x, y, z (m), or with roll, pitch, yaw (rad); the rig's home if left out.
+    #[schemars(with = "Vec<f64>", default, length(min = 3, max = 6))]
+    pub start: Option<Spanned<Vec<f64>>>,
+    /// Simulated time, s: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+    pub duration: Spanned<f64>,
+    /// Time between two steps of the controller, s: greater than 0.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0, "default" = 0.001))]
+    pub step: Option<Spanned<f64>>,
+    /// Goals in the order of their times; before the first one the robot holds its start.
+    #[serde(default)]
+    pub goals: Vec<Goal>,
+    /// Forces and torques on the platform; where several act at once they add up.
+    #[serde(default)]
+    pub disturbances: Vec<Disturbance>,
+    /// Imperfections of the plant; each is zero if left out.
+    #[serde(default)]
+    pub imperfections: Imperfections,
+    /// Settings of the controller; what is left out is the rig's (gains, limits) or Table II's.
+    #[serde(default)]
+    pub controller: Controller,
+}
+
+/// A goal and when it is given.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Goal {
+    /// When it is given, s: 0 or greater, less than the duration.
+    #[schemars(with = "f64", extend("minimum" = 0))]
+    pub time: Spanned<f64>,
+    /// x, y, z (m), or with roll, pitch, yaw (rad).
+    #[schemars(with = "Vec<f64>", length(min = 3, max = 6))]
+    pub pose: Spanned<Vec<f64>>,
+}
+
+/// A force, a torque or both, in the base frame.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Disturbance {
+    /// When it begins, s: 0 or greater.
+    #[schemars(with = "f64", extend("minimum" = 0))]
+    pub from: Spanned<f64>,
+    /// When it ends, s: greater than `from`; it lasts if left out.
+    #[schemars(with = "f64", default)]
+    pub until: Option<Spanned<f64>>,
+    /// On the centre of mass, N.
+    #[schemars(with = "[f64; 3]", default)]
+    pub force: Option<Spanned<[f64; 3]>>,
+    /// N m.
+    #[schemars(with = "[f64; 3]", default)]
+    pub torque: Option<Spanned<[f64; 3]>>,
+}
+
+/// Imperfections of the plant; each is zero if left out.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Imperfections {
+    /// Coulomb friction between motor and platform, N a cable: 0 or greater.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub friction: Option<Spanned<f64>>,
+    /// Time constant of the motors' torque, s: 0 or greater.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub motor_lag: Option<Spanned<f64>>,
+    /// Smallest change of cable length that the encoders see, m: 0 or greater.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub encoder_resolution: Option<Spanned<f64>>,
+    /// Standard deviation of the load cells' noise, N: 0 or greater.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub load_cell_noise: Option<Spanned<f64>>,
+    /// Seed of that noise: the same seed, the same noise; 1 if left out.
+    #[schemars(with = "i32", default)]
+    pub noise_seed: Option<i32>,
+}
+
+/// Settings of the controller; what is left out is the rig's (gains, limits) or Table II's.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Controller {
+    /// Which reachable domain the planner uses; `bounded` if left out.
+    #[schemars(with = "Planner", default)]
+    pub planner: Option<Planner>,
+    /// T_s, s: greater than 0; 0.05 if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    pub planner_period: Option<Spanned<f64>>,
+    /// N of the bisection after Eq. (17): from 1 to 52; 8 if left out.
+    #[schemars(with = "i32", default, range(min = 1, max = 52))]
+    pub bisection_steps: Option<Spanned<i32>>,
+    /// λ₀ of Eq. (2), 1/s: greater than 0, at most 1000; the rig's if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0, "maximum" = 1000))]
+    pub lambda: Option<Spanned<f64>>,
+    /// η₀ of Eq. (4), 1/s: greater than 0, at most 1000; the rig's if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0, "maximum" = 1000))]
+    pub eta: Option<Spanned<f64>>,
+    /// Least tension of a cable, N: 0 or greater; the rig's if left out.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub min_tension: Option<Spanned<f64>>,
+    /// Greatest tension of a cable, N: greater than `min_tension`; the rig's if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    pub max_tension: Option<Spanned<f64>>,
+    /// Where the measured pose comes from; `encoder_pose` if left out.
+    #[schemars(with = "PoseSource", default)]
+    pub pose_source: Option<PoseSource>,
+    /// Whether the load cells correct the motors (Section VII); false if left out.
+    #[schemars(with = "bool", default)]
+    pub force_loop: Option<bool>,
+}
+
+/// Which reachable domain the planner uses.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Planner {
+    /// The paper's, Eq. (15).
+    Bounded,
+    /// Exactly the admissible translations.
+    Exact,
+}
+
+/// Where the measured pose comes from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PoseSource {
+    /// The encoders' pose.
+    EncoderPose,
+    /// Forward kinematics of the cable lengths.
+    CableLengths,
+}
