@@ -1,0 +1,145 @@
+//! A bridge that works with a simulated rig, while somebody else speaks on the bus.
+
+use std::cell::OnceCell;
+
+use cable_robot::plan::ControllerParameters;
+use cable_robot::rig::bridge::TransportError;
+use cable_robot::rig::frame::FrameKind;
+use cable_robot::rig::simulated::{Bench, SimulatedRig};
+use cable_robot::rig::{
+    Bridge, Config, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State,
+};
+use cable_robot::robot::Pose;
+use cable_robot::sim::PlantParameters;
+
+const AKD: &str = include_str!("../../rigs/can/akd.toml");
+
+/// The bytes are what happens, in its order: the first says where it begins.
+///
+/// # Panics
+/// If the bridge does, pulls what is not allowed, or pulls when it must not.
+pub fn bridge(data: &[u8]) {
+    thread_local!(static BEGINNINGS: OnceCell<Vec<World>> = const { OnceCell::new() });
+    let mut bytes = data.iter().copied();
+    let first = usize::from(bytes.next().unwrap_or(0));
+    let mut world = BEGINNINGS.with(|beginnings| {
+        let beginnings = beginnings.get_or_init(World::beginnings);
+        beginnings[first % beginnings.len()].clone()
+    });
+    while world.happen(&mut bytes).is_some() {}
+}
+
+#[derive(Clone)]
+struct World {
+    bridge: Bridge,
+    rig: SimulatedRig,
+    controller: LibraryController,
+    now: Nanoseconds,
+    /// On the way to the bridge.
+    coming: Vec<(usize, Frame)>,
+    is_pressed: bool,
+}
+
+impl World {
+    /// Just started; set up; taut; under the controller; one that only listens.
+    fn beginnings() -> Vec<Self> {
+        let config = Config::parse(AKD).expect("the example is right");
+        let fresh =
+            || Bench::new(config.clone(), PlantParameters::default()).expect("an ideal plant is allowed");
+        let (start, mut homing, mut ready, mut enabled) = (fresh(), fresh(), fresh(), fresh());
+        assert!(homing.run_until(State::Homing, 20.0));
+        homing.run(0.1);
+        assert!(ready.start());
+        ready.is_pressed = false;
+        ready.bridge.operator(OperatorCommand::Release, ready.now).expect("it can always be released");
+        assert!(enabled.start());
+        enabled.run(0.5);
+        let mut worlds = [start, homing, ready, enabled].map(Self::of).to_vec();
+        worlds.push(Self { bridge: Bridge::shadow(config), ..worlds[0].clone() });
+        worlds
+    }
+
+    fn of(bench: Bench) -> Self {
+        let parameters: ControllerParameters = bench.parameters();
+        let controller = LibraryController::new(parameters);
+        let (now, is_pressed) = (bench.now, bench.is_pressed);
+        Self { bridge: bench.bridge, rig: bench.rig, controller, now, coming: vec![], is_pressed }
+    }
+
+    /// The next thing; `None` at the end of the bytes.
+    fn happen(&mut self, bytes: &mut impl Iterator<Item = u8>) -> Option<()> {
+        let what = bytes.next()?;
+        match what % 8 {
+            0..3 => {
+                let frame = frame(bytes)?;
+                self.coming.push((usize::from(what >= 0xF0), frame));
+            }
+            3 => self.command(bytes.next()?),
+            4 => self.bridge.on_transport_error(
+                0,
+                [TransportError::NoRoom, TransportError::Down, TransportError::Gone]
+                    [usize::from(what >> 3) % 3],
+            ),
+            // The clock, now and then by much, or backwards.
+            5 => self.cycle(self.now.saturating_add_signed((i64::from(bytes.next()?) - 40) * 250_000)),
+            _ => (0..=what >> 5).for_each(|_| self.cycle(self.now + 4_000_000)),
+        }
+        Some(())
+    }
+
+    fn command(&mut self, byte: u8) {
+        let goal = [0.3, -0.2, f64::NAN, 5.0][usize::from(byte >> 3) % 4];
+        let command = match byte % 7 {
+            0 => OperatorCommand::Home,
+            1 | 2 => OperatorCommand::Enable,
+            3 => OperatorCommand::Release,
+            4 => OperatorCommand::Goal(Pose::at(goal, 0.1, 1.0)),
+            5 => OperatorCommand::Reset,
+            _ => OperatorCommand::Shutdown,
+        };
+        self.is_pressed = command == OperatorCommand::Enable || (self.is_pressed && byte % 7 == 4);
+        // What it refuses is its own affair.
+        let _ = self.bridge.operator(command, self.now);
+    }
+
+    fn cycle(&mut self, now: Nanoseconds) {
+        self.now = now;
+        self.rig.tick(now, &mut self.coming);
+        for (bus, frame) in self.coming.drain(..) {
+            self.bridge.on_frame(bus, &frame, now);
+        }
+        if self.is_pressed {
+            let _ = self.bridge.operator(OperatorCommand::Enable, now);
+        }
+        let mut out = FrameQueue::new();
+        let report = self.bridge.cycle(now, &mut self.controller, &mut out);
+        for (bus, frame) in out.frames() {
+            self.rig.on_frame(*bus, frame, now, &mut self.coming);
+        }
+        while self.bridge.take_event().is_some() {}
+        for (tension, torque) in report.tension.iter().zip(report.target_torque) {
+            // 60 N, and 1.6 N m of 1 N m: what the example allows. A torque is rounded.
+            assert!((0.0..=60.1).contains(tension) && torque.abs() <= 1600, "{report:?}");
+        }
+        let is_off = matches!(report.state, State::Configuring | State::Homing | State::Off | State::Shadow);
+        assert!(!is_off || report.target_torque == [0; 6] || report.state == State::Shadow, "{report:?}");
+        assert!(report.state != State::Shadow || out.frames().is_empty(), "a shadow sent {:?}", out.frames());
+    }
+}
+
+/// Function code, node, length and kind, data.
+fn frame(bytes: &mut impl Iterator<Item = u8>) -> Option<Frame> {
+    let [function, node, shape] = [bytes.next()?, bytes.next()?, bytes.next()?];
+    let id = u16::from(function & 0xF) << 7 | u16::from(node & 0x7F);
+    let kind = match shape >> 4 {
+        14 => FrameKind::Remote,
+        15 => FrameKind::Error,
+        _ => FrameKind::Data,
+    };
+    let mut data = [0; 8];
+    let length = usize::from(shape & 0xF).min(8);
+    for byte in data.iter_mut().take(length) {
+        *byte = bytes.next()?;
+    }
+    Frame::new(kind, id, &data[..length])
+}

@@ -1,0 +1,119 @@
+//! What a state commands, and the frames that say so.
+
+use super::{Bridge, FrameQueue, Held, Mode};
+use crate::rig::Nanoseconds;
+use crate::rig::bus_load::torque_frame_bytes;
+use crate::rig::canopen::{NmtState, sync};
+use crate::rig::cia402::{Demand, DriveState};
+use crate::rig::frame::{Frame, FrameKind};
+use crate::robot::{CABLES, PerCable};
+
+impl Bridge {
+    /// Tensions (N) and what is demanded of the drives.
+    fn command(&mut self) -> (PerCable<f64>, Demand) {
+        const NOTHING: PerCable<f64> = [0.0; CABLES];
+        match self.mode {
+            Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| answer.motor_tension), Demand::Off),
+            Mode::Configuring | Mode::Off => (NOTHING, Demand::Off),
+            Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
+            Mode::Homing { .. } => (NOTHING, Demand::Off),
+            Mode::TakingUpSlack { ramp, .. } => {
+                let share = ramp.map_or(0.0, |begun| self.share(begun, self.config.slack.ramp));
+                ([share * self.config.slack.pretension; CABLES], Demand::Enabled)
+            }
+            Mode::Ready => ([self.config.slack.pretension; CABLES], Demand::Keep),
+            Mode::Enabled { since, from, lifted, .. } => {
+                let share = self.share(since, self.config.safe.ramp);
+                self.certified = match self.answer {
+                    Some(answer) if share == 1.0 => answer.motor_tension,
+                    _ => blend(&from, &lifted, share),
+                };
+                (self.certified, Demand::Keep)
+            }
+            Mode::Stopping { since, from, to: Some(to), .. } => {
+                let tension = blend(&from, &to.tension, self.share(since, self.config.safe.ramp));
+                (self.stiffened(&Held { tension, ..to }), Demand::Keep)
+            }
+            Mode::Stopping { to: None, .. } => (NOTHING, Demand::QuickStop),
+            Mode::Safe(Some(to)) | Mode::Fault(Some(to)) => (self.stiffened(&to), Demand::Keep),
+            Mode::Safe(None) | Mode::Fault(None) => (NOTHING, Demand::Off),
+        }
+    }
+
+    /// Each winch resists by itself what its cable does: constant tensions alone let the platform turn over at some poses. One whose
+    /// encoder failed cannot.
+    fn stiffened(&self, held: &Held) -> PerCable<f64> {
+        let (safe, most) = (&self.config.safe, self.config.controller.max_tension);
+        std::array::from_fn(|i| {
+            let encoder = &self.drives[i].encoder;
+            let resistance = safe.stiffness * (encoder.length - held.length[i]) + safe.damping * encoder.rate;
+            let resistance = if encoder.has_failed { 0.0 } else { resistance };
+            (held.tension[i] + resistance).clamp(0.0, most)
+        })
+    }
+
+    /// How much of a ramp that began then is behind, 0 to 1.
+    fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
+        let elapsed = self.time.saturating_sub(since);
+        if elapsed >= ramp { 1.0 } else { elapsed as f64 / ramp as f64 }
+    }
+
+    /// Torques, SYNC and heartbeat of this cycle. Says what torques the drives are told, ‰.
+    pub(super) fn send(&mut self, out: &mut FrameQueue) -> PerCable<i16> {
+        let (tension, demand) = self.command();
+        let torque: PerCable<i16> =
+            std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
+        self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
+        if matches!(self.mode, Mode::Shadow { .. }) {
+            return torque;
+        }
+        if self.is_running {
+            for (bus, id, slots) in &self.torque_frames {
+                let word = self.control_word(slots, demand);
+                if let Some(frame) = torque_frame(*id, slots, word, &torque) {
+                    out.push(*bus, frame);
+                }
+            }
+        }
+        for bus in 0..self.config.buses.len() {
+            if self.is_running {
+                out.push(bus, sync());
+            }
+            if self.time >= self.next_heartbeat {
+                out.push(bus, NmtState::Operational.heartbeat(self.config.node));
+            }
+        }
+        if self.time >= self.next_heartbeat {
+            self.next_heartbeat = self.time + self.config.heartbeat.period;
+        }
+        torque
+    }
+
+    /// One control word for the drives that share a frame: upwards the one that the last of them needs, else the one that acts.
+    /// A drive in Fault neither holds the others back nor needs to be told.
+    fn control_word(&self, slots: &[Option<usize>; 3], demand: Demand) -> u16 {
+        let states = || slots.iter().flatten().filter_map(|i| self.drives[*i].state);
+        match demand {
+            Demand::Enabled => {
+                let sound = states().filter(|state| !state.is_faulted());
+                sound.map(|state| state.control_word(demand)).min().unwrap_or(0)
+            }
+            _ => states().map(|state: DriveState| state.control_word(demand)).max().unwrap_or(0),
+        }
+    }
+}
+
+fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
+    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
+}
+
+/// Control word, then the torque of each slot.
+fn torque_frame(id: u16, slots: &[Option<usize>; 3], word: u16, torque: &PerCable<i16>) -> Option<Frame> {
+    let mut bytes = [0; 8];
+    bytes[..2].copy_from_slice(&word.to_le_bytes());
+    for (slot, cable) in slots.iter().enumerate() {
+        let value = cable.map_or(0, |i| torque[i]);
+        bytes[2 + 2 * slot..][..2].copy_from_slice(&value.to_le_bytes());
+    }
+    Frame::new(FrameKind::Data, id, &bytes[..torque_frame_bytes(slots)])
+}
