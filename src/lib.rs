@@ -5,8 +5,8 @@
 //!
 //! # The house
 //!
-//! Arrows point down only: `robot <- control <- reach <- plan`; `sim` sees `robot`; `fmi` sees all of these; `cosim` sees only
-//! the FMI bindings.
+//! Arrows point down only: `robot <- control <- reach <- plan <- sim`; `fmi` and `rig` see all of these; `transport` sees `rig`;
+//! `cosim` sees only the FMI bindings.
 //!
 //! | paper | room | |
 //! |---|---|---|
@@ -14,9 +14,11 @@
 //! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), velocity estimate, force loop |
 //! | IV | [`reach`] | static workspace (16), bounded reachable domain (15), exact domain, certificate |
 //! | V | [`plan`] | set points (17), the flow of Fig. 4, the controller as one struct |
-//! | VI | [`sim`] | the plant and its integrator |
+//! | VI | [`sim`] | the plant and its integrator; scenarios and the closed loop that runs them |
+//! | VII | [`rig`] | drives and load cells on a CAN bus: codecs and state machines |
 //! | | [`fmi`] | the C boundary: one library, two models, FMI 2.0 and 3.0 |
 //! | | [`cosim`] | an importer that steps any FMUs together |
+//! | | [`transport`] | CAN frames in and out: SocketCAN and serial adapters (Linux) |
 //! | | [`report`] | what a person looks at |
 //!
 //! # Notation
@@ -44,5 +46,8 @@ pub mod fmi;
 pub mod plan;
 pub mod reach;
 pub mod report;
+pub mod rig;
 pub mod robot;
 pub mod sim;
+#[cfg(target_os = "linux")]
+pub mod transport;

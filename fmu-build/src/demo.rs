@@ -1,15 +1,13 @@
 //! `cargo demo`: the paper's manoeuvre (Section VI) through the packed FMUs.
 
-use std::fs;
+use std::io::Write;
 
 use anyhow::Result;
 use cable_robot::cosim::{Fmu, Instance, LogMessage, Status};
 use cable_robot::fmi::Model;
 use cable_robot::fmi::describe::Version;
-use cable_robot::plan::ControllerParameters;
-use cable_robot::reach::{BoundedDomain, HalfPlane, polygon, static_workspace};
-use cable_robot::report::{ClosedLoop, Report, Summary};
-use cable_robot::robot::RobotParameters;
+use cable_robot::report::run_folder::{self, FORMAT, write_whole};
+use cable_robot::report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{pack, project_root};
@@ -22,8 +20,10 @@ const STEP: f64 = 1e-3;
 const STOP: f64 = 12.0;
 const REST: f64 = 1.0;
 
-/// Builds and packs the FMUs, runs them, prints what came of it, writes the CSV file and the report.
+/// Builds and packs the FMUs, runs them, prints what came of it, writes the run folder and the report.
 pub fn run(version: Version) -> Result<()> {
+    let folder = project_root().join("target/demo");
+    run_folder::make(&folder)?;
     pack::build()?;
     let mut closed_loop =
         ClosedLoop::new(open(Model::Controller, version)?, open(Model::Plant, version)?, GOAL, STEP)?;
@@ -34,20 +34,13 @@ pub fn run(version: Version) -> Result<()> {
         bar.set_message(format!("{time:.1} s"));
     })?;
     bar.finish_and_clear();
-    let run = closed_loop.recorded_run()?;
-    let summary = run.summary();
-    print(&summary);
 
-    let folder = project_root().join("target/demo");
-    fs::create_dir_all(&folder)?;
-    closed_loop.recorder().write_csv(&folder.join("run.csv"))?;
-    let workspace = vertices(&static_workspace(&RobotParameters::default()));
-    let domains = reachable_domains(&summary);
-    let title = "Cable robot: from (0, 0, 1) to (0.15, 0.15, 1)";
-    let report =
-        Report { title, settings: &settings(version), run: &run, workspace: &workspace, domains: &domains };
+    let recorded = RunFolder { info: info(version), table: closed_loop.table()? };
+    print(&recorded.run()?.summary());
+    recorded.write(&folder)?;
+    let page = html(&recorded)?;
     let path = folder.join("report.html");
-    fs::write(&path, report.html())?;
+    write_whole(&path, |file| file.write_all(page.as_bytes()))?;
     println!("report: {}", path.display());
     Ok(())
 }
@@ -66,7 +59,32 @@ fn open(model: Model, version: Version) -> Result<Instance> {
     Ok(Fmu::open(pack::path(model, version))?.instantiate(name, Box::new(log))?)
 }
 
-fn print(summary: &Summary) {
+/// What was run: both FMUs with their defaults, Tables I and II.
+fn info(version: Version) -> RunInfo {
+    let fmu = |model: Model| run_folder::Model::Fmu {
+        path: format!("target/fmu/{}/{}.fmu", version.name(), model.identifier()).into(),
+        name: model.identifier().to_owned(),
+        fmi_version: match version {
+            Version::Fmi2 => "2.0".to_owned(),
+            Version::Fmi3 => "3.0".to_owned(),
+        },
+    };
+    RunInfo {
+        format: FORMAT,
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        title: "The paper's move, through the FMUs".to_owned(),
+        scenario: None,
+        controller: fmu(Model::Controller),
+        plant: fmu(Model::Plant),
+        rig: "Oh and Agrawal, Table I".to_owned(),
+        step: STEP,
+        controller_parameters: Default::default(),
+        plant_parameters: Default::default(),
+    }
+}
+
+/// Set points, smallest tension, time to the goal, slack cables.
+pub fn print(summary: &Summary) {
     println!("set points");
     println!("  i   from (s)    x (m)    y (m)    z (m)");
     for (i, point) in summary.set_points.iter().enumerate() {
@@ -78,46 +96,10 @@ fn print(summary: &Summary) {
     }
     match summary.time_to_goal {
         Some(time) => println!("at the goal: after {time:.3} s"),
-        None => println!("at the goal: not within {STOP} s"),
+        None => println!("at the goal: not within the run"),
     }
     match summary.slack {
         Some((cable, time)) => println!("slack cables: cable {cable}, first at {time:.3} s"),
         None => println!("slack cables: none"),
     }
-}
-
-/// The first lines of the report's table.
-fn settings(version: Version) -> Vec<(String, String)> {
-    let ControllerParameters { robot, lambda, eta, planner_period, bisection_steps, .. } = Default::default();
-    [
-        (
-            "Models",
-            format!(
-                "CableRobotController and CableRobotPlant of target/fmu/{}, step {} ms",
-                version.name(),
-                STEP * 1e3
-            ),
-        ),
-        (
-            "Robot (Table I)",
-            format!("a = {} m, b = {} m, m = {} kg, g = {} m/s²", robot.a, robot.b, robot.m, robot.g),
-        ),
-        ("Law (Table I)", format!("λ = {lambda} 1/s, η = {eta} 1/s")),
-        ("Planner (Table II)", format!("Eq. (15), T_s = {} ms, N = {bisection_steps}", planner_period * 1e3)),
-    ]
-    .map(|(name, value)| (name.to_owned(), value))
-    .to_vec()
-}
-
-/// The domain of Eq. (15) at each point from which a next one was chosen.
-fn reachable_domains(summary: &Summary) -> Vec<Vec<[f64; 2]>> {
-    let parameters = ControllerParameters::default();
-    let points = summary.set_points.iter().take(summary.set_points.len().saturating_sub(1));
-    let domain =
-        |[x, y, z]: [f64; 3]| BoundedDomain::new(&parameters.robot, &parameters.gains(), [x, y].into(), z);
-    points.map(|point| vertices(&domain(point.position).half_planes())).collect()
-}
-
-fn vertices(half_planes: &[HalfPlane]) -> Vec<[f64; 2]> {
-    polygon(half_planes, 1.0).iter().map(|vertex| [vertex.x, vertex.y]).collect()
 }

@@ -5,6 +5,7 @@ mod check;
 mod demo;
 mod library;
 mod pack;
+mod rig_demo;
 mod verify;
 
 use cable_robot::fmi::describe::Version;
@@ -27,6 +28,15 @@ enum Task {
         /// Version of FMI
         #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
         fmi: u8,
+        /// The paper's experiment through can-bridge and a simulated rig instead, in real time, into target/demo-rig
+        #[arg(long)]
+        rig: bool,
+        /// Goes there and back for so long
+        #[arg(long, requires = "rig")]
+        minutes: Option<f64>,
+        /// Cycles a second, instead of what the rig file says
+        #[arg(long, requires = "rig")]
+        rate: Option<f64>,
     },
     /// Runs every check and every test
     Verify,
@@ -55,7 +65,8 @@ fn main() -> anyhow::Result<()> {
             Ok(())
         }
         Task::Fmu(FmuTask::Describe) => pack::describe(),
-        Task::Demo { fmi: 2 } => demo::run(Version::Fmi2),
+        Task::Demo { rig: true, minutes, rate, .. } => rig_demo::run(&rig_demo::Wishes { minutes, rate }),
+        Task::Demo { fmi: 2, .. } => demo::run(Version::Fmi2),
         Task::Demo { .. } => demo::run(Version::Fmi3),
         Task::Verify => verify::verify(),
         Task::Bindings { check } => bindings::run(check),
