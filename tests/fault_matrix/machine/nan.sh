@@ -7,8 +7,9 @@ cangw -A -s vcan0 -d vcan1 -e
 cangw -A -s vcan1 -d vcan0 -e -f '18E~C00007FF'
 cangw -A -s vcan1 -d vcan0 -e -f 18E:C00007FF
 begin
-cangw -D -s vcan1 -d vcan0 -e -f 18E:C00007FF
+# The new rule before the old one goes: in between, a slow machine would see a silent load cell.
 cangw -A -s vcan1 -d vcan0 -e -f 18E:C00007FF -m SET:D:0.0.0000C07F00000000
+cangw -D -s vcan1 -d vcan0 -e -f 18E:C00007FF
 finish
 cangw -F
 /bin/ip link delete vcan1

@@ -168,7 +168,9 @@ struct Panicking(LibraryController, Arc<AtomicU32>);
 
 impl TensionController for Panicking {
     fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        assert_eq!(self.1.load(std::sync::atomic::Ordering::Relaxed), 0, "on purpose");
+        if self.1.load(std::sync::atomic::Ordering::Relaxed) > 0 {
+            panic!("on purpose, by a test");
+        }
         self.0.step(time, inputs)
     }
 }
