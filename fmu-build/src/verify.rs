@@ -90,7 +90,7 @@ fn print_table(rows: &[Row]) {
     println!("{passed} passed, {failed} failed, {skipped} skipped");
 }
 
-/// Runs a command in the project, shows its output, and counts the tests it reports as passed.
+/// Runs a command in the project, shows its output, counts the tests it reports as passed, and names those that failed.
 fn run(root: &Path, program: &str, arguments: &[&str]) -> Result<Outcome> {
     let mut child = Command::new(program)
         .args(arguments)
@@ -100,17 +100,20 @@ fn run(root: &Path, program: &str, arguments: &[&str]) -> Result<Outcome> {
         .spawn()
         .with_context(|| format!("cannot start {program}"))?;
     let output = child.stdout.take().context("no output to read")?;
-    let mut tests = 0;
+    let (mut tests, mut failed) = (0, String::new());
     for line in BufReader::new(output).lines() {
         let line = line?;
         println!("{line}");
         tests += tests_passed(&line);
+        if let Some(test) = failed_test(&line) {
+            failed += &format!("; {test}");
+        }
     }
     let status = child.wait()?;
     Ok(if status.success() {
         Outcome::Passed(tests.max(1))
     } else {
-        Outcome::Failed(format!("{program} {} ended with {status}", arguments.join(" ")))
+        Outcome::Failed(format!("{program} {} ended with {status}{failed}", arguments.join(" ")))
     })
 }
 
@@ -184,6 +187,14 @@ fn python_tests(root: &Path) -> Result<Outcome> {
     run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests"])
 }
 
+/// The name in `test NAME ... FAILED` of cargo and `FAILED NAME - why` of pytest.
+fn failed_test(line: &str) -> Option<&str> {
+    let of_cargo = line.strip_prefix("test ").and_then(|rest| rest.strip_suffix(" ... FAILED"));
+    let of_pytest =
+        || line.strip_prefix("FAILED ").map(|rest| rest.split_once(" - ").map_or(rest, |(name, _)| name));
+    of_cargo.map(str::trim_end).or_else(of_pytest)
+}
+
 fn expect_success(outcome: Outcome) -> Result<()> {
     match outcome {
         Outcome::Failed(why) => bail!(why),
@@ -201,5 +212,16 @@ mod tests {
         assert_eq!(tests_passed("55 passed in 10.01s"), 55);
         assert_eq!(tests_passed("1 failed, 54 passed in 10.01s"), 54);
         assert_eq!(tests_passed("all tests passed today"), 0);
+    }
+
+    #[test]
+    fn tests_that_failed_are_named() {
+        assert_eq!(failed_test("test rig: cell (cangw)   ... FAILED"), Some("rig: cell (cangw)"));
+        assert_eq!(
+            failed_test("FAILED fmpy-tests/test_a.py::test_b - assert 1 == 2"),
+            Some("fmpy-tests/test_a.py::test_b")
+        );
+        assert_eq!(failed_test("test rig: cell ... ok"), None);
+        assert_eq!(failed_test("test result: FAILED. 6 passed; 1 failed"), None);
     }
 }
