@@ -4,8 +4,8 @@ mod common;
 
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, RobotParameters};
-use cable_robot::sim::PlantParameters;
-use common::ClosedLoop;
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use common::{ClosedLoop, inputs};
 
 fn to(goal: Pose) -> ClosedLoop {
     ClosedLoop::new(ControllerParameters::default(), PlantParameters::default(), goal, 1e-3)
@@ -212,5 +212,58 @@ fn at_goal_does_not_flicker_with_coarse_encoders() {
     }
     for _ in 0..5000 {
         assert!(closed_loop.advance().0.at_goal, "at {}", closed_loop.time());
+    }
+}
+
+/// The tensions of the nonsense pose were held.
+#[test]
+fn a_first_pose_that_cannot_be_holds_gravity_where_the_robot_was_said_to_be() {
+    for wrong in [Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 1.5, 0.0)), Pose::at(0.0, 0.0, -1.0)] {
+        let hanging = Plant::new(PlantParameters::default(), &PlantInputs::default()).unwrap();
+        let good = inputs(hanging.outputs(), Pose::default(), true);
+        let mut controller = Controller::new(ControllerParameters::default(), 0.0, &good).unwrap();
+        controller.step(0.0, &ControllerInputs { encoder_pose: wrong, ..good });
+        let output = controller.outputs();
+        assert_eq!(output.status, Status::SensorFault);
+        assert!(output.motor_tension.iter().all(|u| (u - 10.7612).abs() < 1e-3), "{output:?}");
+    }
+}
+
+/// Each jitter was a new goal with a new set point, and the robot never at it.
+#[test]
+fn a_goal_that_jitters_is_reached_all_the_same() {
+    for planner in [PlannerKind::Bounded, PlannerKind::Exact] {
+        let parameters = ControllerParameters { planner, ..Default::default() };
+        let goal = Pose::at(0.1, 0.05, 1.0);
+        let mut run = ClosedLoop::new(parameters, PlantParameters::default(), goal, 1e-3);
+        for k in 0..9000 {
+            run.goal.0[0] = goal.0[0] + if k % 2 == 0 { 1e-6 } else { -1e-6 };
+            let (output, _) = run.advance();
+            assert!(k < 8000 || (output.at_goal && output.steady), "{planner:?}: {output:?}");
+        }
+        assert!(run.controller.outputs().set_point_index < 6);
+    }
+}
+
+/// What counts as rest was kept from the border, 14 mm at these gains, though the motion that it leaves dies away.
+#[test]
+fn high_gains_do_not_keep_the_papers_planner_from_the_border() {
+    let parameters = ControllerParameters { lambda: 8.0, eta: 8.0, ..Default::default() };
+    let mut run = ClosedLoop::new(parameters, PlantParameters::default(), Pose::at(0.0, 0.213, 1.0), 1e-3);
+    while !run.controller.outputs().at_goal {
+        assert!(run.advance().1.slack == [false; 6] && run.time() < 60.0, "{:?}", run.controller.outputs());
+    }
+    assert_eq!(run.controller.outputs().set_point_index, 21);
+}
+
+/// The exact domain's condition for the upper limit is far too cautious near the base; the planner refused what no limit forbids.
+#[test]
+fn the_papers_planner_moves_near_the_base() {
+    let rig = PlantParameters { initial_pose: Pose::at(0.0, 0.0, 0.1), ..Default::default() };
+    let mut run = ClosedLoop::new(ControllerParameters::default(), rig, Pose::at(0.05, 0.05, 0.1), 1e-3);
+    while !run.controller.outputs().at_goal {
+        let (output, plant) = run.advance();
+        assert!(plant.slack == [false; 6] && output.motor_tension.iter().all(|u| *u < 100.0));
+        assert!(run.time() < 20.0, "{output:?}");
     }
 }

@@ -1,17 +1,19 @@
 //! The planner with the exact domain, in closed loop at 1 kHz.
 
 mod common;
+#[path = "common/goals.rs"]
+mod goals;
 
 use cable_robot::plan::extremes::extremes;
 use cable_robot::plan::planner::Situation;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
-use cable_robot::reach::certificate::{Margins, Step, certify_with_margins};
-use cable_robot::reach::{ExactDomain, Verdict, certify};
+use cable_robot::reach::ExactDomain;
 use cable_robot::robot::dynamics::static_tensions;
-use cable_robot::robot::{Coordinates, Geometry, Pose, Rig, RobotParameters, TensionLimits};
+use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
-use nalgebra::{Vector2, Vector3};
+use goals::random_goal;
+use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -35,17 +37,6 @@ fn the_papers_move_takes_one_set_point_and_a_third_of_the_time() {
         (time_to_goal(ControllerParameters::default(), goal), time_to_goal(exact(3.0, 3.0), goal));
     println!("time to goal: Bounded {bounded:.3} s, Exact {exact:.3} s");
     assert!(exact < 0.4 * bounded);
-}
-
-/// A goal at least `margin` m inside the static workspace, at a height around `z`.
-fn random_goal(rng: &mut Pcg64, z: f64, margin: f64) -> Pose {
-    loop {
-        let point = Vector2::new(rng.random_range(-0.26..0.26), rng.random_range(-0.26..0.26));
-        let facets = cable_robot::reach::static_workspace(&Default::default());
-        if facets.iter().all(|facet| facet.slack(&point) > margin) {
-            return Pose::at(point.x, point.y, z * rng.random_range(0.9..1.1));
-        }
-    }
 }
 
 /// The goal changes in mid-motion, in all three coordinates and at gains at which the exact domain does bind.
@@ -155,38 +146,6 @@ fn a_robot_on_the_edge_still_rises() {
         let output = run.controller.outputs();
         assert!((output.set_point.0[2] - goal.0[2]).abs() < 1e-9, "{:?}", output.set_point);
         assert!((output.goal_distance - 0.144).abs() < 3e-3, "{}", output.goal_distance);
-    }
-}
-
-/// What holding the tensions costs grows with the mass; a margin that does not was used up.
-#[test]
-fn a_heavy_robot_with_high_gains_slackens_no_cable() {
-    let mut rng = Pcg64::seed_from_u64(41);
-    for case in 0..24 {
-        let m = [12.0, 20.0, 50.0][case % 3];
-        let scale = m / 6.0;
-        let robot = RobotParameters {
-            m,
-            i1: 0.018 * scale,
-            i2: 0.018 * scale,
-            i3: 0.075 * scale,
-            ..Default::default()
-        };
-        let gain = if case % 2 == 0 { 8.0 } else { 10.0 };
-        let parameters = ControllerParameters { robot, max_tension: 1000.0, ..exact(gain, gain) };
-        let rig = PlantParameters { robot, initial_pose: Pose::at(0.0, 0.0, 2.0), ..Default::default() };
-        let mut run = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
-        for _ in 0..6 {
-            for _ in 0..1500 {
-                assert_eq!(
-                    run.advance().1.slack,
-                    [false; 6],
-                    "m = {m}, gain {gain}, case {case}, at {}",
-                    run.time()
-                );
-            }
-            run.goal = random_goal(&mut rng, 1.2, 0.0);
-        }
     }
 }
 
@@ -334,73 +293,34 @@ fn a_rise_needs_little_more_than_the_greatest_tension_on_the_way() {
     assert!(closed_form > 1.2 * truth && one_step < truth + 0.2 && reached < at_rest + 0.3);
 }
 
-/// What the planner's allowance stands for could be proved with the certificate's margins; docs/exact.md says why it is not.
+/// Angles below 0.01 rad counted as none: at such a goal near the border a cable was slack at rest, and the planner went there.
 #[test]
-fn a_proof_for_held_commands_asks_for_far_more_than_the_allowance() {
-    let gains = exact(3.0, 3.0).gains();
-    let share_proved = |tilt: f64, sample_period: f64| {
-        let limits = TensionLimits { min: 0.1, max: 100.0 };
-        let rig = Rig::triangular(&RobotParameters::default(), limits);
-        let mut rng = Pcg64::seed_from_u64(43);
-        let (mut steps, mut proved) = (0, 0);
-        while steps < 100 {
-            let mut pose = || {
-                let level = random_goal(&mut rng, 1.0, 0.02).0;
-                let mut angle = || tilt * rng.random_range(-1.0..1.0);
-                turned(level[0], level[1], level[2], angle(), angle(), angle())
-            };
-            let step = Step { start: pose(), rates: Coordinates::zeros(), set_point: pose(), gains };
-            if !matches!(certify(&rig, &step), Ok(Verdict::Admissible { .. })) {
-                continue;
-            }
-            let margins = Margins { sample_period, ..Margins::default() };
-            steps += 1;
-            proved += i32::from(matches!(
-                certify_with_margins(&rig, &step, &margins),
-                Ok(Verdict::Admissible { .. })
-            ));
+fn a_goal_that_is_almost_level_is_no_level_one() {
+    for z in [0.5, 0.3, 0.2] {
+        let rig = PlantParameters { initial_pose: Pose::at(-0.104, -0.21, z), ..Default::default() };
+        let parameters = ControllerParameters { max_tension: 1000.0, ..exact(3.0, 3.0) };
+        let goal = turned(-0.104, -0.22247706, z, -0.0099, -0.0099, -0.0099);
+        let mut run = ClosedLoop::new(parameters, rig, goal, 1e-3);
+        for _ in 0..6000 {
+            assert_eq!(run.advance().1.slack, [false; 6], "z = {z}, at {}", run.time());
         }
-        f64::from(proved) / f64::from(steps)
-    };
-    for tilt in [0.0, 0.2] {
-        let (slow, fast) = (share_proved(tilt, 1e-3), share_proved(tilt, 1e-4));
-        println!(
-            "angles to {tilt}: of 100 admissible steps {:.0} % proved held for 1 ms, {:.0} % for 0.1 ms",
-            100.0 * slow,
-            100.0 * fast
-        );
-        assert!(slow < 0.7 && fast > 0.8);
+        let output = run.controller.outputs();
+        assert_eq!(output.status, Status::GoalUnreachable);
+        assert!(output.goal_distance > 0.0 && output.set_point != goal, "z = {z}: {output:?}");
     }
 }
 
-/// Smallest tension in twenty runs with changing goals, 0 for a slack cable.
-fn smallest_with_encoders(gain: f64, resolution: f64) -> f64 {
-    let mut rng = Pcg64::seed_from_u64(44);
-    let mut smallest = f64::INFINITY;
-    for _ in 0..20 {
-        let z = rng.random_range(0.5..2.0);
-        let initial_pose = random_goal(&mut rng, z, 0.01);
-        let rig = PlantParameters { encoder_resolution: resolution, initial_pose, ..Default::default() };
-        let mut run = ClosedLoop::new(exact(gain, gain), rig, initial_pose, 1e-3);
-        for _ in 0..8 {
-            run.goal = random_goal(&mut rng, z, 0.0);
-            for _ in 0..400 {
-                let (output, plant) = run.advance();
-                smallest = output.motor_tension.iter().copied().fold(smallest, f64::min);
-                if plant.slack != [false; 6] {
-                    return 0.0;
-                }
-            }
-        }
-    }
-    smallest
-}
-
+/// Proved set points, at which the controller then took the pose for a fault of the sensors.
 #[test]
-fn what_coarse_encoders_leave_of_the_allowance() {
-    for gain in [3.0, 8.0] {
-        let found = [0.0, 1e-5, 3e-5, 1e-4].map(|r| (r, smallest_with_encoders(gain, r)));
-        println!("gains of {gain}: {}", found.map(|(r, u)| format!("{u:.3} N with {r} m")).join(", "));
-        assert!(found[1].1 > 0.0 && (gain < 8.0 || found[3].1 == 0.0), "{found:?}");
+fn no_set_point_is_pitched_so_far_that_the_angles_fail() {
+    let rig = PlantParameters { initial_pose: Pose::at(0.026, 0.0, 7.4), ..Default::default() };
+    let goal = turned(0.028, 0.007, 7.435, 0.0, 1.42, 0.0);
+    let mut run = ClosedLoop::new(exact(3.0, 3.0), rig, goal, 1e-3);
+    for _ in 0..6000 {
+        let (output, plant) = run.advance();
+        assert!(output.status != Status::SensorFault && plant.slack == [false; 6], "{output:?}");
     }
+    let output = run.controller.outputs();
+    assert_eq!(output.status, Status::GoalUnreachable);
+    assert!(output.set_point.0[4] > 1.3 && output.set_point.0[4] < 1.4, "{output:?}");
 }

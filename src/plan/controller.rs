@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
-use super::planner::{Planner, Situation};
+use super::planner::{LARGEST_PITCH, Planner, Situation, is_worth_it};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
 use crate::robot::dynamics::static_tensions;
@@ -17,8 +17,6 @@ const JUMP_POSITION: f64 = 0.05;
 const JUMP_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 const TOP_SPEED: f64 = 2.0;
 const TOP_ANGULAR_RATE: f64 = 4.0;
-/// Beyond this pitch the angles no longer tell the orientation, rad.
-const LARGEST_PITCH: f64 = 1.4;
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over.
 const STILL_AT_REST: f64 = 5.0;
@@ -115,8 +113,11 @@ impl Controller {
     /// Starts where the robot is, or waits there to be enabled.
     fn begin(&mut self, inputs: &ControllerInputs) {
         self.mode = Mode::Disabled;
-        self.estimator = Estimator::at_rest(inputs.encoder_pose);
-        self.outputs = outputs_at(&inputs.encoder_pose, self.planner.parameters.min_tension);
+        // A pose that cannot be leaves the one known before.
+        if Self::is_usable(&inputs.encoder_pose) {
+            self.estimator = Estimator::at_rest(inputs.encoder_pose);
+        }
+        self.outputs = outputs_at(&self.estimator.pose, self.planner.parameters.min_tension);
         self.aim = inputs.goal_pose;
         self.start_here();
         self.sense(inputs, 0.0);
@@ -209,9 +210,9 @@ impl Controller {
         }
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
-        self.take_aim(goal);
+        let goal = &self.take_goal(goal);
         let next = self.planner.next_set_point(&self.situation(), &self.aim);
-        let stuck = self.is_steady() && next.is_none() && set_point != self.aim;
+        let stuck = self.is_steady() && next.is_none() && self.planner.is_stuck(&self.situation(), &self.aim);
         self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
         let instead = if stuck { set_point } else { self.aim };
         self.outputs.goal_distance =
@@ -224,15 +225,18 @@ impl Controller {
         self.predict();
     }
 
-    /// The goal itself, but for `Exact` and a goal that cannot be had what comes nearest. Found once a goal: it may call the solver.
-    fn take_aim(&mut self, goal: &Pose) {
-        if self.planner.parameters.planner == PlannerKind::Bounded {
-            self.aim = *goal;
-        } else if self.aimed_for != Some(*goal) {
-            self.aimed_for = Some(*goal);
-            let from = self.outputs.set_point;
-            self.aim = self.planner.exact_aim(&from, goal, self.hold);
+    /// The goal, or the one before if it differs by so little that no step is worth it. For `Exact` and a goal that cannot be had the
+    /// aim is what comes nearest; it is found once a goal, since that calls the solver.
+    fn take_goal(&mut self, goal: &Pose) -> Pose {
+        if let Some(known) = self.aimed_for.filter(|known| !is_worth_it(known, goal)) {
+            return known;
         }
+        self.aimed_for = Some(*goal);
+        self.aim = match self.planner.parameters.planner {
+            PlannerKind::Bounded => *goal,
+            PlannerKind::Exact => self.planner.exact_aim(&self.outputs.set_point, goal),
+        };
+        *goal
     }
 
     fn situation(&self) -> Situation<'_> {
@@ -292,7 +296,7 @@ impl Controller {
         // Once at rest, noise does not end it at once.
         let factor = if self.outputs.steady { STILL_AT_REST } else { 1.0 };
         let steady = self.mode == Mode::Active && self.situation().is_steady_within(factor);
-        let at_goal = steady && !self.unreachable && self.outputs.set_point == *goal;
+        let at_goal = steady && !self.unreachable && !is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
         self.outputs.steady = steady;

@@ -1,77 +1,27 @@
 //! The planner `Exact`: at every tick the farthest set point that is admissible from the state the robot is in, moving or not.
 //!
-//! Translations with zero orientation are decided by the exact domain, all else by the certificate (docs/exact.md).
+//! The certificate proves each of them, from the state as it is measured. For a goal with zero orientation the exact domain tells it how far
+//! to look (docs/exact.md).
 
 use nalgebra::Vector3;
 
 use super::bisection::smallest_admissible;
 use super::interface::ControllerParameters;
-use super::nearest::{nearest_admissible, workspace_facets};
-use super::planner::{Planner, Situation, horizontal, is_level, is_worth_it};
+use super::planner::{Planner, STEEPEST, Situation, is_worth_it};
 use crate::reach::certificate::{Step, certify_within};
-use crate::reach::{ExactDomain, Verdict, static_workspace};
+use crate::reach::{Curve, ExactDomain, Verdict};
 use crate::robot::{Pose, TensionLimits};
 
-/// Tension that is left unused beside the limits, as a part of the weight: what holding the tensions over a step may cost.
-/// The cost grows with mass, gains and the length of the step; this is 0.1 N with Table I.
-const SAMPLING_MARGIN: f64 = 0.0017;
-/// The same for long steps and high gains, as a part of the weight for each unit of (λ₀ + η₀) times the step.
-const SAMPLING_RATE: f64 = 0.1;
-/// Halvings of the way to a turned goal in the search for the last pose on it at which the robot can rest.
-const AIM_HALVINGS: i32 = 52;
-/// A goal sideways by more than this many times a is looked for in its direction at this distance, because the solver's precision is
-/// relative; one lower than that is made for straight.
-const FAR: f64 = 100.0;
+/// Tension that is left unused beside the limits, as a part of the weight: 0.1 N with Table I.
+const SPARE: f64 = 0.0017;
+/// The same for what holding the tensions costs, and a master that hands them on a step late: as a part of the range that the tensions go
+/// through on the way, for each unit of (λ₀ + η₀) times the step.
+const SPARE_HELD: f64 = 0.5;
 
 impl Planner {
-    /// The tension that `Exact` leaves unused in every cable beside the limits, N.
-    fn allowance(&self, hold: f64) -> f64 {
-        let ControllerParameters { robot, lambda, eta, .. } = &self.parameters;
-        robot.m * robot.g * SAMPLING_MARGIN.max(SAMPLING_RATE * (lambda + eta) * hold)
-    }
-
-    /// Where `Exact` makes for: the goal, or if the robot cannot rest there, a pose where it can, with twice the margin that it keeps on the
-    /// way, so that it is not caught on the edge. For a level goal the nearest one at the goal's height, for a turned one the farthest
-    /// on the straight way from `from`.
-    pub fn exact_aim(&self, from: &Pose, goal: &Pose, hold: f64) -> Pose {
-        if goal.0[2] <= 0.0 {
-            *goal
-        } else if is_level(goal) {
-            self.level_aim(goal, hold).unwrap_or(*goal)
-        } else {
-            self.turned_aim(from, goal, hold)
-        }
-    }
-
-    /// `None` if there is no such point or the solver gives no answer.
-    fn level_aim(&self, goal: &Pose, hold: f64) -> Option<Pose> {
-        let ControllerParameters { robot, min_tension, .. } = &self.parameters;
-        // G = g (a/2 - n·p) at rest, and u ≥ u_min where G ≥ 3 a u_min/m.
-        let inset = |tension: f64| 3.0 * robot.a * tension / (robot.m * robot.g);
-        let least = min_tension + self.allowance(hold);
-        let point = horizontal(goal);
-        if static_workspace(robot).iter().all(|facet| facet.slack(&point) > inset(least)) {
-            return Some(*goal);
-        }
-        let (margin, far) = (inset(2.0 * least - min_tension), FAR * robot.a);
-        if goal.0[2] > far {
-            return None;
-        }
-        let point = point * (far / point.x.hypot(point.y)).min(1.0);
-        let nearest = nearest_admissible(&point, &workspace_facets(robot), margin).ok()??;
-        let mut aim = *goal;
-        aim.0.fixed_rows_mut::<2>(0).copy_from(&nearest.point);
-        Some(aim)
-    }
-
-    fn turned_aim(&self, from: &Pose, goal: &Pose, hold: f64) -> Pose {
-        let allowance = self.allowance(hold);
-        if self.rests_at(goal, allowance) {
-            return *goal;
-        }
-        let way = Way { from, goal };
-        let beta = smallest_admissible(AIM_HALVINGS, |beta| self.rests_at(&way.at(beta), 2.0 * allowance));
-        if beta < 1.0 { way.at(beta) } else { *from }
+    /// The tension that is left unused at rest in every cable beside the limits, N.
+    pub(super) fn allowance(&self) -> f64 {
+        SPARE * self.parameters.robot.m * self.parameters.robot.g
     }
 
     /// The active set point is admissible from every state on the way to it, so there is always one (docs/exact.md); `None` if it is
@@ -80,69 +30,70 @@ impl Planner {
         if now.set_point == goal || goal.0[2] <= 0.0 {
             return None;
         }
-        let next = if now.is_level(goal) { self.translation(now, goal) } else { self.proved(now, goal) };
+        let within_reach = if now.is_level(goal) { self.translation(now, goal) } else { None };
+        let next = self.proved(now, &within_reach.unwrap_or(*goal));
         next.filter(|next| next == goal || is_worth_it(now.set_point, next))
     }
 
+    /// How far on the way to the goal cables stay taut, if nothing turns: the certificate need not look farther. `None` if they do not
+    /// even on the way to the active set point.
     fn translation(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
+        let ControllerParameters { robot, min_tension, .. } = &self.parameters;
+        let limits = TensionLimits { min: min_tension + self.allowance(), max: f64::INFINITY };
+        let velocity: Vector3<f64> = now.rates.fixed_rows::<3>(0).into_owned();
+        let domain = ExactDomain::new(robot, &self.parameters.gains(), limits, now.pose.position(), velocity);
         let (from, to) = (now.set_point.position(), goal.position());
-        let domain = self.domain(now, self.parameters.max_tension);
-        if domain.contains(&to) {
+        let share = domain.farthest(&from, &to)?;
+        if share == 1.0 {
             return Some(*goal);
         }
-        let certain = domain.farthest(&from, &to);
-        // The exact domain is too cautious about the upper limit: what that alone forbids is asked of the certificate.
-        let open = self.domain(now, f64::INFINITY).farthest(&from, &to)?;
-        let partway = |share: f64| {
-            let mut set_point = *goal;
-            set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + (to - from) * share));
-            set_point
-        };
-        let proved = if certain < Some(open) { self.proved(now, &partway(open)) } else { None };
-        let left = |set_point: &Pose| (to - set_point.position()).norm();
-        proved.into_iter().chain(certain.map(partway)).min_by(|a, b| left(a).total_cmp(&left(b)))
-    }
-
-    /// The exact domain under the tensions that `Exact` allows.
-    fn domain(&self, now: &Situation, max: f64) -> ExactDomain {
-        let ControllerParameters { robot, min_tension, .. } = &self.parameters;
-        let limits = TensionLimits { min: min_tension + self.allowance(now.hold), max };
-        let velocity: Vector3<f64> = now.rates.fixed_rows::<3>(0).into_owned();
-        ExactDomain::new(robot, &self.parameters.gains(), limits, now.pose.position(), velocity)
+        let mut set_point = *goal;
+        set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + (to - from) * share));
+        Some(set_point)
     }
 
     /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates.
     fn proved(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
         let way = Way { from: now.set_point, goal };
-        let beta =
-            smallest_admissible(self.parameters.bisection_steps, |beta| self.is_proved(now, &way.at(beta)));
+        let beta = smallest_admissible(self.parameters.bisection_steps, |beta| {
+            self.is_proved(now, &way.at(beta), self.allowance())
+        });
         (beta < 1.0).then(|| way.at(beta))
     }
 
-    /// Whether the certificate proves the step to `set_point`. Undecided is no.
-    fn is_proved(&self, now: &Situation, set_point: &Pose) -> bool {
-        let allowance = self.allowance(now.hold);
-        let TensionLimits { min, max } = self.rig.limits;
-        let limits = TensionLimits { min: min + allowance, max: max - allowance };
-        let step = Step {
-            start: *now.pose,
-            rates: *now.rates,
-            set_point: *set_point,
-            gains: self.parameters.gains(),
+    /// Whether the certificate proves the step to `set_point` with `least` (N) to spare, and with what holding the commands may cost.
+    /// Undecided is no. The pitch must stay where the angles tell the orientation.
+    pub(super) fn is_proved(&self, now: &Situation, set_point: &Pose, least: f64) -> bool {
+        let gains = self.parameters.gains();
+        let error = now.pose.minus(set_point)[4];
+        let pitch = Curve { a: set_point.0[4], b: error, c: now.rates[4], d: 0.0 }.extremes(&gains);
+        if pitch.min <= -STEEPEST || pitch.max >= STEEPEST {
+            return false;
+        }
+        let step = Step { start: *now.pose, rates: *now.rates, set_point: *set_point, gains };
+        let range = |spare: f64| {
+            let TensionLimits { min, max } = self.rig.limits;
+            let limits = TensionLimits { min: min + spare, max: max - spare };
+            match certify_within(&self.rig, &limits, &step) {
+                Ok(Verdict::Admissible { least, greatest }) => Some(greatest - least),
+                _ => None,
+            }
         };
-        matches!(certify_within(&self.rig, &limits, &step), Ok(Verdict::Admissible { .. }))
+        let Some(range_seen) = range(least) else { return false };
+        let held = SPARE_HELD * (gains.lambda + gains.eta) * now.hold * range_seen;
+        held <= least || range(held).is_some()
     }
 }
 
 /// The straight way in six coordinates; angles turn the short way round.
-struct Way<'a> {
-    from: &'a Pose,
-    goal: &'a Pose,
+pub(super) struct Way<'a> {
+    pub from: &'a Pose,
+    pub goal: &'a Pose,
 }
 
 impl Way<'_> {
     /// x_f + β (x_prev - x_f), Eq. (17).
-    fn at(&self, beta: f64) -> Pose {
+    pub fn at(&self, beta: f64) -> Pose {
         Pose(self.goal.0 + self.from.minus(self.goal) * beta)
     }
 }
@@ -206,8 +157,8 @@ mod tests {
             assert!(!planner.is_reachable(&start, &goal), "{goal:?}");
         }
         // Tensions vanish at π/3; here 0.2 N are left.
-        let aim = planner.exact_aim(&start, &yaw(1.1), 1e-3);
-        let kept = 2.0 * planner.allowance(1e-3);
+        let aim = planner.exact_aim(&start, &yaw(1.1));
+        let kept = 2.0 * planner.allowance();
         assert!(planner.rests_at(&aim, kept) && !planner.rests_at(&yaw(aim.0[5] + 1e-9), kept), "{aim:?}");
     }
 }

@@ -1,6 +1,8 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
+mod aim;
 pub mod bisection;
+mod bounded;
 pub mod controller;
 pub mod exact;
 pub mod extremes;
