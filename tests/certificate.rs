@@ -253,6 +253,15 @@ fn degenerate_rigs_and_motions_are_named_and_never_admissible() {
     quarter.set_point.0[5] = std::f64::consts::PI;
     let verdict = certify(&paper(), &quarter).unwrap();
     assert!(matches!(verdict, Verdict::Undecided { cause: Cause::HalfTurn, .. }), "{verdict:?}");
+    // A quarter turn of pitch, at which cables would hold the platform but the law loses the angles.
+    let low = |pitch| Pose(Coordinates::new(0.048, 0.02, 10.4, 0.0, pitch, 0.0));
+    let pitched = |pitch| Step { start: low(pitch - 0.01), set_point: low(pitch), ..still };
+    let verdict = certify(&paper(), &pitched(1.58)).unwrap();
+    assert!(matches!(verdict, Verdict::Undecided { cause: Cause::GimbalLock, .. }), "{verdict:?}");
+    // Short of it the answer does not depend on margins being asked for, all of them zero.
+    let verdict = certify(&paper(), &pitched(1.53)).unwrap();
+    assert!(matches!(verdict, Verdict::Admissible { .. }), "{verdict:?}");
+    assert_eq!(certify_with_margins(&paper(), &pitched(1.53), &Margins::default()).unwrap(), verdict);
     // Beside and above the base no cable holds the platform.
     for goal in [Pose::at(0.8, 0.0, 1.0), Pose::at(0.0, 0.0, -1.0)] {
         let verdict = certify(&paper(), &Step { set_point: goal, ..still }).unwrap();

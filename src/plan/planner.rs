@@ -18,9 +18,9 @@ const NEAR_ANGLE: f64 = 1e-2;
 /// Beyond this pitch, rad, the angles no longer tell the orientation.
 pub(super) const LARGEST_PITCH: f64 = 1.4;
 /// Pitch up to which the planner sends the robot, which may be a little off.
-pub(super) const STEEPEST: f64 = LARGEST_PITCH - NEAR_ANGLE;
+pub const STEEPEST: f64 = LARGEST_PITCH - NEAR_ANGLE;
 /// Nothing is to be had farther than this many times a from the centre of the base.
-pub(super) const FAR: f64 = 100.0;
+pub const FAR: f64 = 100.0;
 
 /// A set point nearer than this to the last one is not worth giving, m and rad.
 pub(super) const SMALLEST_STEP: f64 = 1e-5;

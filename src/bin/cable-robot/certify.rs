@@ -151,5 +151,8 @@ fn in_words(cause: Cause) -> &'static str {
         Cause::HalfTurn => {
             "an angle may get half a turn from its set point, where the law turns back the other way round"
         }
+        Cause::GimbalLock => {
+            "the pitch may get a quarter turn from level, where the angles do not tell the orientation and the law cannot follow"
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! What keeps the robot from the closed form, how far, and what that leaves of the certificate. Derived in `docs/certificate.md`.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
+use super::Cause;
 use super::motion::Step;
 use super::statics::{Cables, stiffness};
-use crate::robot::{CABLES, Coordinates, Rig};
+use crate::robot::{CABLES, Coordinates, Pose, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
 const UPWARDS: f64 = 1.0 + 1e-9;
@@ -14,6 +15,9 @@ const UPWARDS: f64 = 1.0 + 1e-9;
 const GROWTH: f64 = 1.02;
 /// Bounds tried.
 const MOST_BOUNDS: usize = 200;
+/// Where these angles stand among the coordinates.
+const ROLL: usize = 3;
+const PITCH: usize = 4;
 
 /// Bounds of what the controller does not know or cannot do; all zero is the closed form itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,10 +120,20 @@ fn largest_error(step: &Step) -> Coordinates {
     step.start.minus(&step.set_point).abs() + step.rates.abs() * largest_phi(step)
 }
 
-/// Whether an angle may get half a turn away from its set point, where the law turns back the other way round.
-pub fn reaches_half_turn(step: &Step, tube: &Tube) -> bool {
+/// Why the angles cannot tell the law where the platform is turned to, if anywhere in the tube they cannot.
+pub fn lost_angles(step: &Step, tube: &Tube) -> Option<Cause> {
     let error = largest_error(step) + tube.coordinates;
-    error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6)
+    if error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6) {
+        return Some(Cause::HalfTurn);
+    }
+    (largest_angle(step, tube, PITCH) > FRAC_PI_2 - 1e-6).then_some(Cause::GimbalLock)
+}
+
+/// Largest absolute value that an angle takes in the tube, rad.
+fn largest_angle(step: &Step, tube: &Tube, k: usize) -> f64 {
+    let goal = step.set_point.minus(&Pose(Coordinates::zeros()))[k];
+    let from = goal + step.start.minus(&step.set_point)[k];
+    goal.abs().max(from.abs()) + step.rates[k].abs() * largest_phi(step) + tube.coordinates[k]
 }
 
 /// The coordinates, rates and accelerations that the law is told, while the cables are within `extent`; `None` where no bound is found.
@@ -200,8 +214,9 @@ impl<'a> Around<'a> {
         let Self { rig, margins, age, .. } = *self;
         let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
-        let (roll, pitch) = (self.largest_angle(3), self.largest_angle(4));
-        if pitch > 1.5 || extent.shortest <= 0.0 || reaches_half_turn(self.step, &self.told()) {
+        let told = self.told();
+        let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &told, k));
+        if extent.shortest <= 0.0 || lost_angles(self.step, &told).is_some() {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
@@ -232,14 +247,6 @@ impl<'a> Around<'a> {
         let [x, y, z] = [position.x, position.y, position.z];
         Some(Coordinates::new(x, y, z, angles[0], angles[1], angles[2]) * UPWARDS)
     }
-
-    /// Largest absolute value of an angle that the motion or what the law is told of it takes, at least its sine; rad.
-    fn largest_angle(&self, k: usize) -> f64 {
-        let goal = self.step.set_point.0[k];
-        let from = goal + self.step.start.minus(&self.step.set_point)[k];
-        let swing = self.step.rates[k].abs() * largest_phi(self.step);
-        goal.abs().max(from.abs()) + swing + self.told().coordinates[k]
-    }
 }
 
 /// Of x, y, z together.
@@ -256,7 +263,7 @@ fn angular(q: &Coordinates) -> f64 {
 mod tests {
     use super::*;
     use crate::control::{Gains, Response};
-    use crate::robot::{Pose, RobotParameters, TensionLimits};
+    use crate::robot::{RobotParameters, TensionLimits};
 
     fn step(lambda: f64, eta: f64) -> Step {
         let gains = Gains { lambda, eta };

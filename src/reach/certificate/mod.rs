@@ -74,6 +74,9 @@ pub enum Cause {
     Solver,
     /// An angle may get half a turn away from its set point, where the law turns back the other way round.
     HalfTurn,
+    /// The pitch may get a quarter turn away from level, where roll and yaw turn the platform about one and the same axis: the law, which
+    /// acts on the angles, cannot impose what it wants there.
+    GimbalLock,
 }
 
 /// A question that makes no sense.
@@ -143,12 +146,11 @@ pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result
     check(rig, &rig.limits, step)?;
     check_margins(margins)?;
     let cables = rig.anchors.len();
+    if *margins == Margins::default() {
+        return certify(rig, step);
+    }
     if cables > CABLES {
-        return if *margins == Margins::default() {
-            certify(rig, step)
-        } else {
-            Err(CertificateError::Margins { cables })
-        };
+        return Err(CertificateError::Margins { cables });
     }
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
@@ -159,15 +161,15 @@ fn closed_form(
     step: &Step,
     inside: impl FnMut(&Cables),
 ) -> Result<(), Verdict> {
-    if margins::reaches_half_turn(step, &Tube::empty()) {
-        return Err(undecided_at_large(Cause::HalfTurn));
+    if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
+        return Err(undecided_at_large(cause));
     }
     search::walk(rig, step, &Tube::empty(), limits, inside)
 }
 
 fn any_distribution(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<Range, Verdict> {
-    if margins::reaches_half_turn(step, &Tube::empty()) {
-        return Err(undecided_at_large(Cause::HalfTurn));
+    if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
+        return Err(undecided_at_large(cause));
     }
     let mut range = Range::none();
     search::cover(step, |span| redundant::look(rig, limits, step, span, |tensions| range.include(tensions)))?;

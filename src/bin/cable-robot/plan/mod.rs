@@ -102,7 +102,12 @@ impl Plan {
         let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
         let look =
             |from: &Pose, to: &Pose| extremes(&parameters.robot, &parameters.gains(), &limits, from, to);
-        let set_points = sequence(parameters, &self.from, &self.to);
+        // Where the controller would make for.
+        let aim = match self.planner {
+            Planner::Bounded => self.to,
+            Planner::Exact => SetPoints::from(*parameters).exact_aim(&self.from, &self.to),
+        };
+        let set_points = sequence(parameters, &self.from, &aim);
         let (mut at, mut smallest) = (self.from, None::<(usize, TensionAt)>);
         for (i, next) in set_points.iter().enumerate() {
             let step =
@@ -116,9 +121,8 @@ impl Plan {
             Planner::Bounded => self.pose_over(&self.to.position().xy()),
             Planner::Exact => self.to,
         };
-        let given_up = at != self.to
-            && set_points.len() == MOST_SET_POINTS
-            && barrier(parameters, &goal, &goal).is_none();
+        let given_up =
+            at != aim && set_points.len() == MOST_SET_POINTS && barrier(parameters, &goal, &goal).is_none();
         let obstacle = if given_up || at == self.to {
             None
         } else {
@@ -126,9 +130,8 @@ impl Plan {
             let regularity = Rig::triangular(&parameters.robot, limits).regularity(&self.to);
             let singular = regularity < SINGULARITY_THRESHOLD;
             let nearest = match self.planner {
-                // Turned goals are made for straight.
-                Planner::Exact if self.is_turned() => Some(at),
-                _ => self.nearest(parameters)?.or((at != self.from).then_some(at)),
+                Planner::Exact => Some(at),
+                Planner::Bounded => self.nearest(parameters)?.or((at != self.from).then_some(at)),
             };
             let barrier = barrier(parameters, &nearest.unwrap_or(at), &goal);
             Some(Obstacle { singular, broken, nearest, barrier })
@@ -136,7 +139,7 @@ impl Plan {
         Ok(Planned { set_points, smallest, given_up, obstacle })
     }
 
-    /// The point nearest to the goal, at a height that the planner can give, to which there is a plan: as little inside the facets of
+    /// The point nearest to the goal, at the height of the start, to which the paper's planner has a plan: as little inside the facets of
     /// the static workspace as limits of tension and the planner's own allowances need.
     fn nearest(&self, parameters: &ControllerParameters) -> Result<Option<Pose>> {
         let facets = workspace_facets(&parameters.robot);
@@ -159,13 +162,9 @@ impl Plan {
         Ok(found)
     }
 
-    /// At a height that the planner can give: (15) keeps that of the start.
+    /// At the height of the start, which (15) keeps.
     fn pose_over(&self, point: &Vector2<f64>) -> Pose {
-        let height = match self.planner {
-            Planner::Bounded => self.from.0[2],
-            Planner::Exact => self.to.0[2],
-        };
-        Pose::at(point.x, point.y, height)
+        Pose::at(point.x, point.y, self.from.0[2])
     }
 
     fn is_turned(&self) -> bool {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::extremes::{Extremes, TensionAt};
-use cable_robot::plan::planner::Planner as SetPoints;
+use cable_robot::plan::planner::{FAR, Planner as SetPoints, STEEPEST};
 use cable_robot::robot::Pose;
 use serde_json::{Value, json};
 
@@ -58,6 +58,18 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
     if plan.is_turned() && plan.planner == Planner::Bounded {
         *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
     }
+    let is_steep = plan.to.0[4].abs() >= STEEPEST;
+    if is_steep {
+        let _ = writeln!(
+            text,
+            "  it is pitched by {STEEPEST} rad or more, where the angles hardly tell the orientation"
+        );
+    }
+    let far = FAR * parameters.robot.a;
+    if plan.to.position().amax() > far {
+        let _ =
+            writeln!(text, "  it is farther than {far} m (100 a) from the base, where nothing is looked for");
+    }
     match &obstacle.broken {
         Some(broken @ Extremes { first_outside: Some(first), .. }) => {
             let _ = writeln!(
@@ -73,13 +85,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
             }
         }
-        _ if obstacle.barrier.is_some() => {}
+        _ if obstacle.barrier.is_some() || is_steep => {}
         _ => {
             let why = match plan.planner {
                 Planner::Bounded => {
-                    "it plans at one height and with zero orientation, and keeps some millimetres from the border"
+                    "it plans at one height and with zero orientation, and every tension at rest keeps 0.17 % of the weight from its limits"
                 }
-                Planner::Exact => "it keeps 0.17 % of the weight of every tension",
+                Planner::Exact => {
+                    "every tension keeps 0.17 % of the weight from its limits, and more on quick steps"
+                }
             };
             let _ = writeln!(text, "  planner {:?} has no step to it: {why}", plan.planner);
         }
@@ -102,7 +116,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         };
         let _ = writeln!(text, "  held back by cable {cable}, at rest {breach} from {} on", place_of(at));
     } else if obstacle.broken.is_some() {
-        *text += "  at rest no limit is broken between there and the goal: it is the steps that break one\n";
+        *text += "  at rest no limit is broken between there and the goal, but less than the planner keeps, 0.17 % of the weight, is left\n";
     }
 }
 
