@@ -149,6 +149,23 @@ fn a_robot_on_the_edge_still_rises() {
     }
 }
 
+/// What is kept of every tension kept it where it was.
+#[test]
+fn a_robot_that_starts_close_to_the_border_gets_away() {
+    let start = Pose::at(0.0, 0.2245, 1.0);
+    let rig = PlantParameters { initial_pose: start, ..Default::default() };
+    for goal in [Pose::at(0.0, 0.1, 1.0), Pose::at(0.1, 0.1, 0.9)] {
+        let mut run = ClosedLoop::new(exact(3.0, 3.0), rig, goal, 1e-3);
+        while !run.controller.outputs().at_goal {
+            assert!(
+                run.advance().1.slack == [false; 6] && run.time() < 8.0,
+                "{:?}",
+                run.controller.outputs()
+            );
+        }
+    }
+}
+
 fn turned(x: f64, y: f64, z: f64, roll: f64, pitch: f64, yaw: f64) -> Pose {
     Pose(Coordinates::new(x, y, z, roll, pitch, yaw))
 }

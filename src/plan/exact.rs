@@ -18,6 +18,9 @@ const SPARE: f64 = 0.0017;
 /// through on the way, for each unit of (λ₀ + η₀) times the step.
 const SPARE_HELD: f64 = 0.5;
 
+/// What a robot that rests with less than the allowance may keep of it, as a part of what is left.
+const LEFT: f64 = 0.9;
+
 impl Planner {
     /// The tension that is left unused at rest in every cable beside the limits, N.
     pub(super) fn allowance(&self) -> f64 {
@@ -30,16 +33,18 @@ impl Planner {
         if now.set_point == goal || goal.0[2] <= 0.0 {
             return None;
         }
-        let within_reach = if now.is_level(goal) { self.translation(now, goal) } else { None };
-        let next = self.proved(now, &within_reach.unwrap_or(*goal));
+        // Where less is left at rest, no more is asked for.
+        let spare = self.allowance().min(LEFT * self.margin_at(now.set_point)).max(0.0);
+        let within_reach = if now.is_level(goal) { self.translation(now, goal, spare) } else { None };
+        let next = self.proved(now, &within_reach.unwrap_or(*goal), spare);
         next.filter(|next| next == goal || is_worth_it(now.set_point, next))
     }
 
     /// How far on the way to the goal cables stay taut, if nothing turns: the certificate need not look farther. `None` if they do not
     /// even on the way to the active set point.
-    fn translation(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
+    fn translation(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
         let ControllerParameters { robot, min_tension, .. } = &self.parameters;
-        let limits = TensionLimits { min: min_tension + self.allowance(), max: f64::INFINITY };
+        let limits = TensionLimits { min: min_tension + spare, max: f64::INFINITY };
         let velocity: Vector3<f64> = now.rates.fixed_rows::<3>(0).into_owned();
         let domain = ExactDomain::new(robot, &self.parameters.gains(), limits, now.pose.position(), velocity);
         let (from, to) = (now.set_point.position(), goal.position());
@@ -53,10 +58,10 @@ impl Planner {
     }
 
     /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates.
-    fn proved(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
+    fn proved(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
         let way = Way { from: now.set_point, goal };
         let beta = smallest_admissible(self.parameters.bisection_steps, |beta| {
-            self.is_proved(now, &way.at(beta), self.allowance())
+            self.is_proved(now, &way.at(beta), spare)
         });
         (beta < 1.0).then(|| way.at(beta))
     }

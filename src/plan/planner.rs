@@ -122,12 +122,17 @@ impl Planner {
 
     /// Whether the robot can be at rest at this pose, every tension `allowance` (N) inside its limits.
     pub(super) fn rests_at(&self, pose: &Pose, allowance: f64) -> bool {
+        self.margin_at(pose) > allowance
+    }
+
+    /// How far inside its limits every tension is at rest, N; less than nothing where the robot cannot be at rest.
+    pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
         let ControllerParameters { min_tension, max_tension, robot, .. } = &self.parameters;
-        let within = |u: f64| u > min_tension + allowance && u < max_tension - allowance;
-        pose.0[2] > 0.0
-            && pose.position().amax() <= FAR * robot.a
-            && pose.0[4].abs() < STEEPEST
-            && static_tensions(robot, &self.geometry, pose).is_some_and(|u| u.into_iter().all(within))
+        let is_sensible =
+            pose.0[2] > 0.0 && pose.position().amax() <= FAR * robot.a && pose.0[4].abs() < STEEPEST;
+        let tension = static_tensions(robot, &self.geometry, pose).filter(|_| is_sensible);
+        let margin = |u: f64| (u - min_tension).min(max_tension - u);
+        tension.map_or(f64::NEG_INFINITY, |u| u.into_iter().map(margin).fold(f64::INFINITY, f64::min))
     }
 
     /// From a pose to the goal, m: the root mean square of the ways of the attachments. For equal orientations the way of them all.
