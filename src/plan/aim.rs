@@ -1,6 +1,6 @@
 //! Where `Exact` makes for: the goal, or, if the robot cannot rest there, the nearest pose at which it can.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::bisection::smallest_admissible;
 use super::exact::Way;
@@ -9,7 +9,7 @@ use super::nearest::{nearest_admissible, workspace_facets};
 use super::planner::{FAR, Planner, STEEPEST, horizontal, is_upright};
 use crate::reach::quadratic_program::minimise;
 use crate::robot::dynamics::static_tensions;
-use crate::robot::{CABLES, Pose};
+use crate::robot::{CABLES, PerCable, Pose};
 
 /// Halvings of the straight way to the goal in the search for the last pose on it at which the robot can rest.
 const HALVINGS: i32 = 52;
@@ -24,6 +24,8 @@ const CORRECTIONS: usize = 2;
 const SPARE: f64 = 1e-6;
 /// For differences of tensions and ways, m and rad.
 const DIFFERENCE: f64 = 1e-6;
+/// Where the pitch stands among the coordinates.
+const PITCH: usize = 4;
 
 impl Planner {
     /// Where `Exact` makes for: the goal, or if the robot cannot rest there, a pose where it can, with twice the margin that it keeps on the
@@ -117,68 +119,92 @@ impl Planner {
         free: usize,
         reach: f64,
     ) -> Option<Pose> {
-        let ControllerParameters { robot, min_tension, max_tension, .. } = &self.parameters;
-        let moved = |k: usize, by: f64| {
-            let mut pose = *at;
-            pose.0[k] += by;
-            pose
-        };
-        let tensions = |pose: &Pose| static_tensions(robot, &self.geometry, pose);
-        let here = tensions(at)?;
-        let kept = kept + SPARE * robot.m * robot.g;
-        let ways = |pose: &Pose| -> DVector<f64> {
-            let ways = self.ways(at, pose);
-            DVector::from_iterator(3 * CABLES, ways.iter().flat_map(|way| [way.x, way.y, way.z]))
-        };
-
-        // The distance in d, from `at` on: |J d - r|²/(2 · 6). With J'J/6 = L L' and y = L' d it is |y - L⁻¹J'r/6|²/2 and a constant.
-        let mut slopes = DMatrix::zeros(3 * CABLES, free);
-        let mut pulls = DMatrix::zeros(CABLES, free);
-        for k in 0..free {
-            let (before, after) = (moved(k, -DIFFERENCE), moved(k, DIFFERENCE));
-            slopes.set_column(k, &((ways(&after) - ways(&before)) / (2.0 * DIFFERENCE)));
-            let (before, after) = (tensions(&before)?, tensions(&after)?);
-            pulls
-                .set_column(k, &DVector::from_fn(CABLES, |i, _| (after[i] - before[i]) / (2.0 * DIFFERENCE)));
-        }
-        let lower = (slopes.transpose() * &slopes / CABLES as f64).cholesky()?.l();
-        let target =
-            goal.map_or(DVector::zeros(free), |goal| slopes.transpose() * ways(goal) / CABLES as f64);
-        let target = lower.solve_lower_triangular(&target)?;
+        let tangents = Tangents::new(self, at, free)?;
+        let target = goal.map_or(DVector::zeros(free), |goal| tangents.towards(&self.ways(at, goal)));
         // In units of the reach.
         let unit = target.amax().max(reach);
         let slope: Vec<f64> = target.iter().map(|t| -t / unit).collect();
-
-        let (mut rows, mut bounds) = (vec![], vec![]);
-        let mut require = |row: &DVector<f64>, bound: f64| {
-            if let Some(row) = lower.solve_lower_triangular(row) {
-                let size = row.norm().max(f64::MIN_POSITIVE);
-                rows.push(row.iter().map(|x| x / size).collect::<Vec<_>>());
-                bounds.push(bound / (size * reach));
-            }
-        };
-        for i in 0..CABLES {
-            let pull = pulls.row(i).transpose();
-            require(&-&pull, here[i] - (min_tension + kept));
-            require(&pull, max_tension - kept - here[i]);
-        }
-        if free > 4 {
-            let pitch = DVector::from_fn(free, |k, _| f64::from(u8::from(k == 4)));
-            require(&pitch, STEEPEST - at.0[4]);
-            require(&-pitch, STEEPEST + at.0[4]);
-        }
-        for k in 0..free {
-            for sign in [1.0, -1.0] {
-                rows.push((0..free).map(|j| if j == k { sign } else { 0.0 }).collect());
-                bounds.push(1.0);
-            }
-        }
+        let (rows, bounds) = self.bounds_of(&tangents, at, kept, reach);
         let optimum = minimise(&vec![reach / unit; free], &slope, &rows, &bounds).ok()??;
-        let step = lower.transpose().solve_upper_triangular(&(DVector::from_vec(optimum.x) * reach))?;
+        let step = tangents.lower.tr_solve_lower_triangular(&(DVector::from_vec(optimum.x) * reach))?;
         let mut next = *at;
         (0..free).for_each(|k| next.0[k] += step[k]);
         Some(next)
     }
+
+    /// What the tensions' limits, the pitch and the reach ask of y, in units of the reach: rows and bounds.
+    fn bounds_of(&self, tangents: &Tangents, at: &Pose, kept: f64, reach: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let ControllerParameters { robot, min_tension, max_tension, .. } = &self.parameters;
+        let free = tangents.lower.nrows();
+        let kept = kept + SPARE * robot.m * robot.g;
+        let mut asked = vec![];
+        for (pull, here) in tangents.pulls.row_iter().map(|row| row.transpose()).zip(tangents.here) {
+            asked.push((-&pull, here - (min_tension + kept)));
+            asked.push((pull, max_tension - kept - here));
+        }
+        if free > PITCH {
+            let pitch = DVector::from_fn(free, |k, _| f64::from(u8::from(k == PITCH)));
+            asked.push((-&pitch, STEEPEST + at.0[PITCH]));
+            asked.push((pitch, STEEPEST - at.0[PITCH]));
+        }
+        let (mut rows, mut bounds) = (vec![], vec![]);
+        for (row, bound) in asked {
+            // Of y instead of d, and of length one.
+            let row = tangents.lower.solve_lower_triangular(&row).unwrap_or(row);
+            let size = row.norm().max(f64::MIN_POSITIVE);
+            rows.push((row / size).as_slice().to_vec());
+            bounds.push(bound / (size * reach));
+        }
+        for k in 0..2 * free {
+            rows.push((0..free).map(|j| if j != k / 2 { 0.0 } else { [1.0, -1.0][k % 2] }).collect());
+            bounds.push(1.0);
+        }
+        (rows, bounds)
+    }
+}
+
+/// What a small step d in the free coordinates does.
+///
+/// The square of the distance of `Planner::distance` from a goal is |J d - r|²/6, with the ways r of the attachments to the goal; with J'J/6 = L L' and
+/// y = L' d it is |y - L⁻¹J'r/6|² and a constant.
+struct Tangents {
+    /// Tensions at rest, N, and what they change by, N/m and N/rad.
+    here: PerCable<f64>,
+    pulls: DMatrix<f64>,
+    /// J: what the attachments move by, three rows each.
+    slopes: DMatrix<f64>,
+    /// L.
+    lower: DMatrix<f64>,
+}
+
+impl Tangents {
+    fn new(planner: &Planner, at: &Pose, free: usize) -> Option<Self> {
+        let tensions = |pose: &Pose| static_tensions(&planner.parameters.robot, &planner.geometry, pose);
+        let (mut pulls, mut slopes) = (DMatrix::zeros(CABLES, free), DMatrix::zeros(3 * CABLES, free));
+        for k in 0..free {
+            let moved = |by: f64| {
+                let mut pose = *at;
+                pose.0[k] += by;
+                pose
+            };
+            let (before, after) = (moved(-DIFFERENCE), moved(DIFFERENCE));
+            let rise = DVector::from(tensions(&after)?.to_vec()) - DVector::from(tensions(&before)?.to_vec());
+            pulls.set_column(k, &(rise / (2.0 * DIFFERENCE)));
+            slopes.set_column(k, &(stacked(&planner.ways(&before, &after)) / (2.0 * DIFFERENCE)));
+        }
+        let lower = (slopes.tr_mul(&slopes) / CABLES as f64).cholesky()?.l();
+        Some(Self { here: tensions(at)?, pulls, slopes, lower })
+    }
+
+    /// L⁻¹J'r/6.
+    fn towards(&self, ways: &PerCable<Vector3<f64>>) -> DVector<f64> {
+        let target = self.slopes.tr_mul(&stacked(ways)) / CABLES as f64;
+        self.lower.solve_lower_triangular(&target).unwrap_or(target)
+    }
+}
+
+fn stacked(ways: &PerCable<Vector3<f64>>) -> DVector<f64> {
+    DVector::from_iterator(3 * CABLES, ways.iter().flat_map(|way| [way.x, way.y, way.z]))
 }
 
 /// The goal, or if it is farther than `far` the pose at that distance in its direction.

@@ -6,7 +6,9 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::interface::{ControllerParameters, PlannerKind};
-use crate::robot::{CABLES, Coordinates, Geometry, Pose, Rig, TensionLimits, dynamics::static_tensions};
+use crate::robot::{
+    CABLES, Coordinates, Geometry, PerCable, Pose, Rig, TensionLimits, dynamics::static_tensions,
+};
 
 /// The motion counts as at rest below these rates, m/s and rad/s,
 const REST_SPEED: f64 = 2e-3;
@@ -148,7 +150,7 @@ impl Planner {
     }
 
     /// The ways of the attachments from a pose to the goal, m.
-    pub(super) fn ways(&self, pose: &Pose, goal: &Pose) -> [Vector3<f64>; CABLES] {
+    pub(super) fn ways(&self, pose: &Pose, goal: &Pose) -> PerCable<Vector3<f64>> {
         let (way, from, to) = (goal.position() - pose.position(), pose.rotation(), goal.rotation());
         self.geometry.attachment.map(|b| way + (to * b - from * b))
     }
