@@ -5,12 +5,23 @@ mod port;
 #[cfg(target_os = "linux")]
 mod run;
 
+use std::io::Write;
+use std::process::ExitCode;
+
 #[cfg(target_os = "linux")]
-fn main() -> anyhow::Result<()> {
-    run::main()
+fn main() -> ExitCode {
+    match run::main() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Whoever read it may be gone.
+            let _ = writeln!(std::io::stderr(), "rig-sim: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn main() -> anyhow::Result<()> {
-    anyhow::bail!("rig-sim needs Linux: its CAN links are those of Linux")
+fn main() -> ExitCode {
+    let _ = writeln!(std::io::stderr(), "rig-sim needs Linux: its CAN links are those of Linux");
+    ExitCode::FAILURE
 }
