@@ -6,6 +6,7 @@ mod closed_loop;
 mod data;
 mod domains;
 mod explanation;
+mod facts;
 mod history;
 mod page;
 pub mod recording;

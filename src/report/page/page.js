@@ -142,7 +142,7 @@ function describeRobot(row) {
   const angles = turned.some((angle) => Math.abs(angle) > 1e-3) ? `, turned ${degrees(turned)}` : "";
   const state = rows.status ? run.statuses[rows.status[row]] ?? "" : "";
   const cables = slack.length ? `<span class="bad">slack: cable ${slack.join(", ")}</span>` : "all cables taut";
-  byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${activeAt(run.setPoints, row)} of ${run.setPoints.length - 1}${state && ` · ${state}`} · ${cables}`;
+  byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${run.setPoints[activeAt(run.setPoints, row)].number} of ${run.lastSetPoint}${state && ` · ${state}`} · ${cables}`;
 }
 
 function describeP(row) {
@@ -174,13 +174,13 @@ let row = -1;
 function show(to) {
   if (to === row) return;
   row = to;
-  const time = rows.time[row], active = activeAt(run.setPoints, row);
+  const time = rows.time[row], active = run.setPoints[activeAt(run.setPoints, row)].number;
   for (const panel of [robot, view, ...positions, tension, margin]) panel.show(row);
   describeRobot(row);
   describeP(row);
   describeTensions(row);
   listed.forEach((line, i) => line.classList.toggle("active", i === active));
-  list.scrollTop = listed[active].offsetTop - list.clientHeight / 2;
+  if (listed[active]) list.scrollTop = listed[active].offsetTop - list.clientHeight / 2;
   slider.value = time;
   slider.setAttribute("aria-valuetext", `${time.toFixed(3)} seconds, smallest tension ${newtons(smallest[row])} newtons`);
   byId("clock").innerHTML = `<b>${time.toFixed(3)}</b> s <span>of ${rows.time.at(-1).toFixed(2)} s</span>`;
@@ -246,7 +246,7 @@ document.addEventListener("keydown", (event) => {
   keys[key]();
 });
 
-for (const { row: at } of run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
+for (const { row: at } of run.manySetPoints ? [] : run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
 for (const [from, to] of run.slackSpans) mark("slack-span", from, to);
 function mark(kind, from, to) {
   const share = (time) => (100 * (time - start)) / (Number(slider.max) - start);

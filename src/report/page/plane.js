@@ -39,17 +39,23 @@ function plane(box, run) {
     });
     parts.goal = shape(svg, "path", { class: "goal-mark" });
     parts.goalName = shape(svg, "text", {}, "goal");
-    setPoints(svg);
+    parts.dots = run.manySetPoints ? setPointLine(svg) : setPointDots(svg);
     parts.centre = shape(svg, "circle", { class: "centre", r: 5 });
     parts.p = shape(svg, "circle", { class: "p", r: 5.5 });
     parts.pName = shape(svg, "text", { class: "strong" }, "p");
     move();
   }
 
+  /** A line through all of them, and one dot at the active one. */
+  function setPointLine(svg) {
+    shape(svg, "path", { class: "set-point-line", d: pathOf(run.setPoints.map((s) => at(s.pose))) });
+    return [shape(svg, "circle", { class: "set-point-dot active", r: 3.5 })];
+  }
+
   /** Dots with numbers; a number that would stand on another one is left out. */
-  function setPoints(svg) {
+  function setPointDots(svg) {
     const written = [];
-    parts.dots = run.setPoints.map((s, i) => {
+    return run.setPoints.map((s, i) => {
       const [cx, cy] = at(s.pose);
       const label = [cx + (i % 2 ? 9 : -9), cy + (i % 2 ? 13 : -9)];
       if (written.every((w) => Math.hypot(w[0] - label[0], w[1] - label[1]) > 13)) {
@@ -78,7 +84,12 @@ function plane(box, run) {
       if (!domain) return;
       set(domain, { class: i === active ? "domain active" : "domain", visibility: i === active || parts.domains.length <= MANY ? "visible" : "hidden" });
     });
-    parts.dots.forEach((dot, i) => set(dot, { class: i === active ? "set-point-dot active" : "set-point-dot" }));
+    if (run.manySetPoints) {
+      const [cx, cy] = at(run.setPoints[active].pose);
+      set(parts.dots[0], { cx, cy });
+    } else {
+      parts.dots.forEach((dot, i) => set(dot, { class: i === active ? "set-point-dot active" : "set-point-dot" }));
+    }
     set(parts.centre, { cx: centre[0], cy: centre[1] });
     set(parts.path, { d: pathOf([...parts.thin.filter((k) => k < row), row].map((k) => at([rows.pose[0][k], rows.pose[1][k]]))) });
     const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
