@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::domains::{domain, vertices};
 use super::explanation;
-use super::history::History;
+use super::history::{History, status_name};
 use super::thinning::{drawn_rows, rounded};
+use crate::plan::Status;
 use crate::reach::static_workspace;
 use crate::robot::geometry::FACET_NORMALS;
 use crate::robot::{CABLES, Geometry, PerCable, Pose};
@@ -32,7 +33,8 @@ pub struct Data {
     limits: Limits,
     /// Greatest tension measured.
     tension_top: f64,
-    statuses: [&'static str; 7],
+    /// Names of the statuses from number 1 on.
+    statuses: [&'static str; 6],
     /// Those active in a drawn row.
     set_points: Vec<SetPoint>,
     /// Number of the last set point.
@@ -111,15 +113,7 @@ impl Data {
             workspace: vertices(&static_workspace(robot), 2.0 * robot.a).unwrap_or_default(),
             limits: Limits { min: limits.min_tension, max: limits.max_tension },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
-            statuses: [
-                "",
-                "disabled",
-                "holding",
-                "moving",
-                "at the goal",
-                "goal unreachable",
-                "sensor fault",
-            ],
+            statuses: Status::ALL.map(status_name),
             set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
             last_set_point: set_points.len() - 1,
             many_set_points: set_points.len() > MANY,

@@ -76,11 +76,13 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
     let smallest = summary.smallest_tension.map_or("none recorded".to_owned(), |s| s.to_string());
     let last = history.len() - 1;
     let missed = history.pose[last].minus(&history.goal[last]);
+    let from =
+        if history.goals().is_empty() { "From the start at the end" } else { "From the goal at the end" };
     facts.extend(goals(history));
     facts.extend([
         ("Smallest tension", smallest),
         ("Slack cables", slack(history)),
-        ("From the goal at the end", format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
+        (from, format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
     ]);
     facts
 }

@@ -6,9 +6,9 @@ use quick_xml::escape::escape;
 
 use super::data::{Data, MANY};
 use super::facts::{facts, first_of};
-use super::history::History;
+use super::history::{History, status_name};
 use super::{RunFolder, Summary, TableError};
-use crate::plan::PlannerKind;
+use crate::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -81,6 +81,7 @@ fn verdict(history: &History, summary: &Summary) -> String {
     let goals = history.goals();
     let reached = goals.iter().filter(|(_, time)| time.is_some()).count();
     list += &match goals.as_slice() {
+        [] => item(false, "goal", &"none given"),
         [(_, Some(time))] => item(false, "at the goal after", &format!("{time:.3} s")),
         [(_, None)] => item(true, "goal", &"not reached"),
         many => item(reached < many.len(), "goals reached", &format!("{reached} of {}", many.len())),
@@ -93,7 +94,12 @@ fn verdict(history: &History, summary: &Summary) -> String {
         None => item(false, "slack cables", &"none"),
     };
     let steps = history.set_point_rows().len() - 1;
-    list + &item(false, "set points", &steps)
+    list += &item(false, "set points", &steps);
+    if let Some(status) = history.last_status() {
+        let is_bad = matches!(status, Status::GoalUnreachable | Status::SensorFault);
+        list += &item(is_bad, "status at the end", &status_name(status));
+    }
+    list
 }
 
 fn domain_key(history: &History) -> &'static str {
@@ -163,6 +169,7 @@ mod tests {
     use super::*;
     use crate::report::Table;
     use crate::report::tests::run;
+    use crate::sim::Scenario;
 
     #[test]
     fn twenty_noisy_seconds_stay_small_and_stand_alone() {
@@ -176,30 +183,59 @@ mod tests {
         assert!(page.contains("Copyright (c) 2022 Leon Sorokin"), "uPlot's licence goes with it");
     }
 
-    /// The run with another goal and another set point in each row.
-    fn changing_at_each_step(RunFolder { info, table }: RunFolder) -> RunFolder {
-        let mut changing = Table::new(table.names()[1..].iter().cloned());
-        let columns: Vec<_> = table.names().iter().map(|name| table.column(name).unwrap()).collect();
+    /// The table with each value changed by its column's name, its row and itself.
+    fn changed(table: &Table, change: impl Fn(&str, usize, f64) -> f64) -> Table {
+        let mut changed = Table::new(table.names()[1..].iter().cloned());
+        let columns: Vec<_> = table.names().iter().map(|name| (name, table.column(name).unwrap())).collect();
         for row in 0..table.rows() {
-            let moved = |(name, column): (&String, &&[f64])| match name.as_str() {
-                "controller.setPointIndex" => row as f64,
-                "controller.setPoint.x" | "controller.goalPose.x" => 0.1 * (row as f64 / 3e3).sin(),
-                _ => column[row],
-            };
-            let values: Vec<f64> = table.names().iter().zip(&columns).skip(1).map(moved).collect();
-            changing.push(columns[0][row], &values);
+            let values: Vec<f64> =
+                columns[1..].iter().map(|(name, column)| change(name, row, column[row])).collect();
+            changed.push(columns[0].1[row], &values);
         }
-        RunFolder { info, table: changing }
+        changed
     }
 
     #[test]
     fn a_set_point_and_a_goal_at_each_step_of_twenty_noisy_seconds_stay_small() {
-        let page = html(&changing_at_each_step(run(PlannerKind::Bounded, 20.0, 0.5))).unwrap();
+        let mut folder = run(PlannerKind::Bounded, 20.0, 0.5);
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.setPointIndex" => row as f64,
+            "controller.setPoint.x" | "controller.goalPose.x" => 0.1 * (row as f64 / 3e3).sin(),
+            _ => value,
+        });
+        let page = html(&folder).unwrap();
         assert!(page.len() < 6_000_000, "{} bytes", page.len());
         assert!(page.contains("set points <b>20000</b>"));
         assert!(page.matches("<tr>").count() < 300, "{} rows of tables", page.matches("<tr>").count());
         assert!(page.contains("The first 100 of 20001 set points"));
         assert!(page.contains("The first 100 of 20001 goals"));
+    }
+
+    #[test]
+    fn without_a_goal_none_was_reached_and_the_last_status_is_said() {
+        let mut folder = crate::report::tests::record(&Scenario {
+            title: "thrown".to_owned(),
+            rig: String::new(),
+            controller: Default::default(),
+            plant: Default::default(),
+            goals: vec![],
+            disturbances: vec![],
+            duration: 0.1,
+            step: 0.01,
+        });
+        let page = html(&folder).unwrap();
+        assert!(page.contains("<li>goal <b>none given</b></li>"));
+        assert!(page.contains("<li>status at the end <b>at the goal</b></li>"));
+        assert!(!page.contains("at the goal after") && !page.contains(" given at "));
+        assert!(page.contains("From the start at the end"));
+
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.status" if row > 3 => f64::from(Status::SensorFault as i32),
+            _ => value,
+        });
+        assert!(
+            html(&folder).unwrap().contains("<li class=\"bad\">status at the end <b>sensor fault</b></li>")
+        );
     }
 
     #[test]
