@@ -1,11 +1,13 @@
 //! The report's facts: what was run and with what, and what came of it, in words.
 
 use super::Summary;
-use super::data::MANY;
 use super::history::History;
 use super::run_folder::Model;
 use crate::plan::{PlannerKind, PoseSource};
 use crate::robot::{CABLES, Pose};
+
+/// More goals than these are counted only.
+const MOST_GOALS: usize = 10;
 
 /// What was run and with what, and what came of it.
 pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)> {
@@ -97,19 +99,20 @@ fn model(model: &Model) -> String {
     }
 }
 
-/// A row a goal; of more than [`MANY`] the first ones.
+/// A row a goal; of more than [`MOST_GOALS`] the first ones.
 fn goals(history: &History) -> Vec<(&'static str, String)> {
     let goals = history.goals();
-    let mut rows: Vec<_> = goals.iter().take(MANY).map(|goal| ("Goal", arrival(history, goal))).collect();
-    if goals.len() > MANY {
-        rows.push(("Goals", first_of(goals.len(), "goals")));
+    let mut rows: Vec<_> =
+        goals.iter().take(MOST_GOALS).map(|goal| ("Goal", arrival(history, goal))).collect();
+    if goals.len() > MOST_GOALS {
+        rows.push(("Goals", first_of(MOST_GOALS, goals.len(), "goals")));
     }
     rows
 }
 
-/// What is said below a list that ends after [`MANY`].
-pub fn first_of(count: usize, what: &str) -> String {
-    format!("The first {MANY} of {count} {what} are listed; run.csv has all.")
+/// What is said below a list that ends before its time.
+pub fn first_of(listed: usize, count: usize, what: &str) -> String {
+    format!("The first {listed} of {count} {what} are listed; run.csv has all.")
 }
 
 /// When a goal was given and how long the robot took.

@@ -149,7 +149,7 @@ fn angle_heads(turned: bool) -> &'static str {
 
 fn more_set_points(history: &History) -> String {
     let count = history.set_point_rows().len();
-    if count > MANY { first_of(count, "set points") } else { String::new() }
+    if count > MANY { first_of(MANY, count, "set points") } else { String::new() }
 }
 
 /// Rows of number, time and pose of the first [`MANY`]; angles if there are any.
@@ -208,7 +208,7 @@ mod tests {
         assert!(page.contains("set points <b>20000</b>"));
         assert!(page.matches("<tr>").count() < 300, "{} rows of tables", page.matches("<tr>").count());
         assert!(page.contains("The first 100 of 20001 set points"));
-        assert!(page.contains("The first 100 of 20001 goals"));
+        assert!(page.contains("The first 10 of 20001 goals"));
     }
 
     #[test]
