@@ -3,8 +3,7 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::process::{Command, Output};
 
 use cable_robot::plan::{ControllerParameters, Status};
 use cable_robot::report::run_folder::Model;
@@ -217,26 +216,6 @@ fn a_sensor_fault_at_the_end_is_no_success() {
     std::fs::write(&path, thrown).unwrap();
     let (_, text) = written(3, &[path.to_str().unwrap()]);
     assert!(text.contains("SensorFault"), "{text}");
-}
-
-#[test]
-fn ctrl_c_leaves_whole_files() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = folder.path().join("run");
-    let arguments = ["--to", "0.15,0.15,1", "--duration", "1000", "--output", output.to_str().unwrap()];
-    let mut child = command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
-    while !output.is_dir() {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    std::thread::sleep(Duration::from_millis(300));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let mut summary = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut summary).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{summary}");
-    assert!(summary.contains("set points"), "{summary}");
-    let rows = RunFolder::read(&output).unwrap().table.rows();
-    assert!((2..1_000_000).contains(&rows), "{rows} rows");
-    assert_eq!(fs::read_dir(&output).unwrap().count(), 2, "nothing half written");
 }
 
 fn fmu(version: &str, model: &str) -> PathBuf {

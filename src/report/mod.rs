@@ -7,6 +7,7 @@ mod data;
 mod domains;
 mod explanation;
 mod facts;
+pub mod files;
 mod history;
 mod page;
 pub mod recording;

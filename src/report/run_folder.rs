@@ -3,13 +3,14 @@
 //! Whoever runs something writes one (`cable-robot simulate`, `cargo demo`), `cable-robot report` reads it.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Run;
+use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use crate::plan::ControllerParameters;
 use crate::robot::CABLES;
@@ -21,6 +22,8 @@ pub const FORMAT: u32 = 1;
 pub const RUN_CSV: &str = "run.csv";
 /// What was run: a [`RunInfo`].
 pub const RUN_JSON: &str = "run.json";
+/// The report of the run, where `cable-robot report` writes it.
+pub const REPORT_HTML: &str = "report.html";
 
 /// What was run, and with what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,17 +125,34 @@ pub enum RunFolderError {
 }
 
 impl RunFolder {
-    /// Writes both files into `folder`, which is made if need be. Each is written whole beside its place and then moved there.
+    /// Writes both files into `folder`, which is made if need be. Each is written whole beside its place; then what is left there of
+    /// another run, its report too, is removed, and both are moved to their places: no folder ever holds files of two runs.
     ///
     /// # Errors
     /// [`RunFolderError::Write`].
     pub fn write(&self, folder: &Path) -> Result<(), RunFolderError> {
+        self.write_watched(folder, || Ok(()))
+    }
+
+    /// As [`write`](Self::write); `row_done` is called after each row and may give the whole up.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Write`]; nothing is left then, and what stood there is untouched.
+    pub fn write_watched(
+        &self,
+        folder: &Path,
+        row_done: impl FnMut() -> io::Result<()>,
+    ) -> Result<(), RunFolderError> {
         make(folder)?;
-        write_whole(&folder.join(RUN_CSV), |file| self.table.write_csv(file).map_err(io::Error::from))?;
-        write_whole(&folder.join(RUN_JSON), |file| {
+        let csv =
+            Part::write(&folder.join(RUN_CSV), |file| Ok(self.table.write_csv_watched(file, row_done)?))?;
+        let json = Part::write(&folder.join(RUN_JSON), |file| {
             serde_json::to_writer_pretty(&mut *file, &self.info)?;
             writeln!(file)
-        })
+        })?;
+        forget(folder)?;
+        csv.settle()?;
+        json.settle()
     }
 
     /// Reads both files.
@@ -140,12 +160,23 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError`] with the file, the place in it and what was expected.
     pub fn read(folder: &Path) -> Result<Self, RunFolderError> {
+        Self::read_through(folder, |file| file)
+    }
+
+    /// As [`read`](Self::read), `run.csv` through a reader of its own.
+    ///
+    /// # Errors
+    /// As of [`read`](Self::read).
+    pub fn read_through<R: Read>(
+        folder: &Path,
+        reader: impl FnOnce(File) -> R,
+    ) -> Result<Self, RunFolderError> {
         let (json, csv) = (folder.join(RUN_JSON), folder.join(RUN_CSV));
-        let text = fs::read_to_string(&json)
-            .map_err(|reason| RunFolderError::Read { path: json.clone(), reason })?;
+        let text = read_text(&json).map_err(|reason| RunFolderError::Read { path: json.clone(), reason })?;
         let info = parse(&text, &json)?;
         let file = File::open(&csv).map_err(|reason| RunFolderError::Read { path: csv.clone(), reason })?;
-        let table = Table::read_csv(file).map_err(|reason| RunFolderError::Csv { path: csv, reason })?;
+        let table =
+            Table::read_csv(reader(file)).map_err(|reason| RunFolderError::Csv { path: csv, reason })?;
         Ok(Self { info, table })
     }
 
@@ -185,50 +216,29 @@ impl RunFolder {
     }
 }
 
-/// Makes the folder and sees whether a file can be written there: to be called before the work.
+/// Makes the folder and sees whether both files can be written there: to be called before the work.
 ///
 /// # Errors
 /// [`RunFolderError::Write`].
 pub fn make(folder: &Path) -> Result<(), RunFolderError> {
     fs::create_dir_all(folder).map_err(|reason| RunFolderError::Write { path: folder.to_owned(), reason })?;
-    tempfile::tempfile_in(folder)
-        .map(drop)
-        .map_err(|reason| RunFolderError::Write { path: folder.to_owned(), reason })
+    [RUN_CSV, RUN_JSON].iter().try_for_each(|name| probe(&folder.join(name)))
 }
 
-/// Writes a file beside its place and moves it there when it is whole. A link leads to the place; what is no file (a device, a pipe) is
-/// written to.
-///
-/// # Errors
-/// [`RunFolderError::Write`]; the file that stood at `path` is then untouched.
-pub fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), RunFolderError> {
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let is_file = fs::metadata(&place).map_or(true, |place| place.is_file());
-    let done = if is_file { write_beside(&place, write) } else { write_to(&place, write).map(drop) };
-    done.map_err(|reason| RunFolderError::Write { path: path.to_owned(), reason })
-}
-
-fn write_beside(place: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let mut part = place.as_os_str().to_owned();
-    part.push(".part");
-    let done = write_to(Path::new(&part), write).and_then(|file| {
-        file.sync_all()?;
-        fs::rename(&part, place)
-    });
-    if done.is_err() {
-        // What is not whole is of no use; that it may not be there at all is no second error.
-        let _ = fs::remove_file(&part);
+/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, and its report.
+fn forget(folder: &Path) -> Result<(), RunFolderError> {
+    if !folder.join(RUN_JSON).is_file() {
+        return Ok(());
     }
-    done
-}
-
-fn write_to(place: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
-    let mut file = BufWriter::new(File::create(place)?);
-    write(&mut file)?;
-    Ok(file.into_inner()?)
+    for path in [REPORT_HTML, RUN_JSON].map(|name| folder.join(name)) {
+        match fs::remove_file(&path) {
+            Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
+                return Err(RunFolderError::Write { path, reason });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// The info, once its format is known to be ours.
@@ -330,32 +340,30 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_cannot_be_finished_leaves_the_old_one() {
+    fn a_new_run_leaves_neither_the_report_nor_the_json_of_the_old_one() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("file");
-        fs::write(&path, "old").unwrap();
-        let half = write_whole(&path, |file| {
-            file.write_all(b"half")?;
-            Err(io::Error::other("the disk is full"))
-        });
-        assert!(half.unwrap_err().to_string().ends_with("file: the disk is full"));
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let report = folder.path().join(REPORT_HTML);
+        fs::write(&report, "of somebody else").unwrap();
+        run_folder(Model::Library).write(folder.path()).unwrap();
+        assert!(report.is_file(), "no run was there before");
+        run_folder(Model::Rig).write(folder.path()).unwrap();
+        assert!(!report.exists());
+
+        fs::write(&report, "of the old run").unwrap();
+        let given_up = || Err(io::Error::other("given up"));
+        assert!(run_folder(Model::Library).write_watched(folder.path(), given_up).is_err());
+        assert_eq!(RunFolder::read(folder.path()).unwrap().info.controller, Model::Rig);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left of what was given up");
     }
 
     #[test]
-    fn a_device_is_not_replaced_by_a_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let [device, link] = ["device", "link"].map(|name| folder.path().join(name));
-        std::os::unix::fs::symlink("/dev/full", &device).unwrap();
-        let full = write_whole(&device, |file| file.write_all(b"text")).unwrap_err().to_string();
-        assert!(full.contains("device: No space left"), "{full}");
-        assert!(device.is_symlink() && !fs::metadata(&device).unwrap().is_file());
-        let file = folder.path().join("file");
-        fs::write(&file, "old").unwrap();
-        std::os::unix::fs::symlink(&file, &link).unwrap();
-        write_whole(&link, |file| file.write_all(b"new")).unwrap();
-        assert!(link.is_symlink() && fs::read_to_string(&file).unwrap() == "new");
+    fn a_folder_where_a_file_must_go_is_said_before_the_work() {
+        for name in [RUN_CSV, RUN_JSON] {
+            let folder = tempfile::tempdir().unwrap();
+            fs::create_dir(folder.path().join(name)).unwrap();
+            let error = make(folder.path()).unwrap_err().to_string();
+            assert!(error.contains(name) && error.ends_with("it is a folder, a file is wanted"), "{error}");
+        }
     }
 
     #[test]

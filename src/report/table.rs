@@ -1,6 +1,6 @@
 //! Columns of numbers with names, and the CSV file they make.
 
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 
 use thiserror::Error;
 
@@ -115,10 +115,23 @@ impl Table {
     /// # Errors
     /// What the writer reports.
     pub fn write_csv(&self, writer: impl Write) -> Result<(), csv::Error> {
+        self.write_csv_watched(writer, || Ok(()))
+    }
+
+    /// As [`write_csv`](Self::write_csv); `row_done` is called after each row and may end it.
+    ///
+    /// # Errors
+    /// What the writer or `row_done` reports.
+    pub fn write_csv_watched(
+        &self,
+        writer: impl Write,
+        mut row_done: impl FnMut() -> io::Result<()>,
+    ) -> Result<(), csv::Error> {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(&self.names)?;
         for row in 0..self.rows() {
             csv.serialize(self.columns.iter().map(|column| column[row]).collect::<Vec<_>>())?;
+            row_done()?;
         }
         Ok(csv.flush()?)
     }

@@ -6,6 +6,7 @@ mod completions;
 mod figure;
 mod picture;
 mod plan;
+mod progress;
 mod reach;
 mod report;
 mod rig;
