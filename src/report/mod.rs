@@ -52,10 +52,10 @@ mod tests {
     pub(super) fn record(scenario: &Scenario) -> RunFolder {
         let mut closed_loop = ClosedLoop::new(scenario).unwrap();
         let mut recording = Recording::new();
-        recording.push(closed_loop.moment());
+        recording.push(closed_loop.moment()).unwrap();
         for _ in 0..(scenario.duration / scenario.step).round() as usize {
             closed_loop.step().unwrap();
-            recording.push(closed_loop.moment());
+            recording.push(closed_loop.moment()).unwrap();
         }
         let info = RunInfo {
             format: FORMAT,

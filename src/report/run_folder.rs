@@ -13,7 +13,8 @@ use super::Run;
 use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use crate::plan::ControllerParameters;
-use crate::robot::CABLES;
+use crate::robot::parameters::require;
+use crate::robot::{CABLES, ParameterError};
 use crate::sim::PlantParameters;
 
 /// Number of the format that this program writes and reads.
@@ -113,6 +114,16 @@ pub enum RunFolderError {
         path: PathBuf,
         /// Its format.
         found: u64,
+    },
+    /// `run.json` says what makes no sense.
+    #[error("{}: {table}: {reason}", .path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The part of it.
+        table: &'static str,
+        /// The parameter, its value and what is allowed.
+        reason: ParameterError,
     },
     /// `run.csv` is not as it should be.
     #[error("{}: {reason}", .path.display())]
@@ -252,7 +263,18 @@ fn parse(text: &str, path: &Path) -> Result<RunInfo, RunFolderError> {
     if format != u64::from(FORMAT) {
         return Err(RunFolderError::Format { path: path.to_owned(), found: format });
     }
-    serde_json::from_str(text).map_err(wrong)
+    let info: RunInfo = serde_json::from_str(text).map_err(wrong)?;
+    let step =
+        require(info.step.is_finite() && info.step > 0.0, "step", info.step, "must be greater than 0 (s)");
+    let checks = [
+        ("run", step),
+        ("controllerParameters", info.controller_parameters.validate()),
+        ("plantParameters", info.plant_parameters.validate()),
+    ];
+    for (table, check) in checks {
+        check.map_err(|reason| RunFolderError::Value { path: path.to_owned(), table, reason })?;
+    }
+    Ok(info)
 }
 
 /// An array of columns, or the first error.
@@ -383,6 +405,13 @@ mod tests {
         assert!(json.contains("expected f64 at line"), "{json}");
         let format = refusal(RUN_JSON, "\"format\": 1", "\"format\": 2");
         assert!(format.ends_with("format = 2; this program reads format 1"), "{format}");
+        let gain = refusal(RUN_JSON, "\"lambda\": 3.0", "\"lambda\": -3.0");
+        assert!(
+            gain.contains("controllerParameters: parameter lambda = -3 is not allowed: must be"),
+            "{gain}"
+        );
+        let step = refusal(RUN_JSON, "\"step\": 0.1", "\"step\": 0.0");
+        assert!(step.contains("run.json: run: parameter step = 0 is not allowed"), "{step}");
         let csv = refusal(RUN_CSV, "\n0.1,", "\nsoon,");
         assert!(csv.ends_with("line 3, column 1 (time): \"soon\" is not a finite number"), "{csv}");
         let csv = refusal(RUN_CSV, "controller.setPoint.y", "setPoint.y");

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use cable_robot::report::files::{probe, write_whole};
 use cable_robot::report::run_folder::{REPORT_HTML, RUN_CSV};
 use cable_robot::report::{RunFolder, html};
-use clap::Args;
+use clap::{Args, ValueHint};
 use serde_json::json;
 
 use crate::progress::WatchedFile;
@@ -19,7 +19,7 @@ Example: cable-robot simulate paper --output run && cable-robot report run";
 #[derive(Args)]
 pub struct Report {
     /// Run folder, with run.csv and run.json, as `simulate` writes it
-    #[arg(value_name = "RUN")]
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
     run: PathBuf,
     /// The file to be written; without it report.html in the run folder
     #[arg(long, value_name = "FILE")]

@@ -16,7 +16,7 @@ use cable_robot::report::Recording;
 use cable_robot::report::run_folder::{self, FORMAT, RunFolder, RunInfo};
 use cable_robot::robot::Pose;
 use cable_robot::sim::closed_loop::{library_controller, library_plant};
-use cable_robot::sim::scenario::{MOST_STEPS, count_steps};
+use cable_robot::sim::scenario::count_steps;
 use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
@@ -94,8 +94,6 @@ impl Simulate {
             return Ok(Outcome::Done);
         }
         let scenario = self.scenario()?;
-        let name = if self.from.is_some() { "--from" } else { "start" };
-        require_rest(&scenario.controller, name, &scenario.plant.initial_pose)?;
         let models = self.models(&scenario)?;
         let info = self.info(&scenario, &models);
         let lacking = models.lacking.clone();
@@ -166,19 +164,11 @@ impl Simulate {
         let file = self.rig.read()?;
         let controller = self.rig.controller(self.planner.kind())?;
         let from = self.from.unwrap_or(file.home);
-        ensure!(
-            self.step <= self.duration,
-            "--step {:?} s is longer than --duration {:?} s",
-            self.step,
-            self.duration
-        );
-        ensure!(
-            count_steps(self.duration, self.step).is_some(),
-            "--duration {:?} s in steps of {:?} s makes {:?} steps: 1 to {MOST_STEPS:?} are allowed",
-            self.duration,
-            self.step,
-            (self.duration / self.step).round(),
-        );
+        if let Err(right) = count_steps(self.duration, self.step) {
+            bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
+        }
+        let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
+        require_rest(&controller, &name, &from)?;
         Ok(Scenario {
             title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
             rig: file.rig.name,
@@ -280,15 +270,15 @@ fn simulate(
     interruption: &Interruption,
 ) -> Result<End> {
     let mut closed_loop = ClosedLoop::with_models(scenario, models.controller, models.plant)?;
-    recording.push(closed_loop.moment());
-    let steps = count_steps(scenario.duration, scenario.step).unwrap_or(0);
+    recording.push(closed_loop.moment())?;
+    let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
     let progress = Progress::new("simulating", steps);
     for _ in 0..steps {
         if interruption.is_asked() {
             return Ok(End::Interrupted);
         }
         closed_loop.step()?;
-        recording.push(closed_loop.moment());
+        recording.push(closed_loop.moment())?;
         progress.done(1);
     }
     Ok(End::Whole)
