@@ -127,6 +127,17 @@ fn report_and_figure_speak_to_machines() {
 }
 
 #[test]
+fn many_goals_are_not_a_line_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let goal = |k: u32| format!("[[goals]]\ntime = 0.{k:02}\npose = [0.0{k:02}, 0, 1]\n");
+    let goals: String = (0..40).map(goal).collect();
+    fs::write(folder.path().join("way.toml"), format!("title = \"way\"\nduration = 0.5\n{goals}")).unwrap();
+    let said = String::from_utf8(run(folder.path(), &["simulate", "way.toml", "--json"]).stderr).unwrap();
+    assert_eq!(said.matches("given at").count(), 10, "{said}");
+    assert!(said.contains("\n... 30 more goals\n"), "{said}");
+}
+
+#[test]
 fn a_huge_line_is_not_echoed() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("huge.toml"), format!("title = {}", "x".repeat(1_000_000))).unwrap();

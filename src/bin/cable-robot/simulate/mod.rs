@@ -6,7 +6,7 @@ pub mod source;
 mod summary;
 
 use std::fs;
-use std::io::{Write, stdout};
+use std::io::{IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, bail, ensure};
@@ -111,7 +111,6 @@ impl Simulate {
         table.drop_columns(&lacking);
         let recorded = RunFolder { info, table };
         // What went well until a failure is worth keeping.
-        interruption.begin_writing();
         let written = self.write(&recorded, &interruption);
         if interruption.gives_up() && written.is_err() {
             eprintln!("interrupted: nothing was written");
@@ -132,12 +131,19 @@ impl Simulate {
     /// The run folder, or the CSV to stdout.
     fn write(&self, recorded: &RunFolder, interruption: &Interruption) -> Result<()> {
         let progress = Progress::new("writing", recorded.table.rows() as u64);
+        // A bar among the rows would be in their way.
+        let is_seen = self.output.is_none() && stdout().is_terminal();
         let row_done = || {
-            progress.done(1);
+            if !is_seen {
+                progress.done(1);
+            }
             interruption.go_on()
         };
         match &self.output {
-            Some(folder) => Ok(recorded.write_watched(folder, row_done)?),
+            Some(folder) => {
+                interruption.begin_writing();
+                Ok(recorded.write_watched(folder, row_done)?)
+            }
             None if self.json => Ok(()),
             None => match recorded.table.write_csv_watched(stdout().lock(), row_done).map_err(Error::from) {
                 Err(error) if is_closed_pipe(&error) => Ok(()),
