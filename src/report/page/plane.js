@@ -94,7 +94,7 @@ function plane(box, run) {
     set(parts.path, { d: pathOf([...parts.thin.filter((k) => k < row), row].map((k) => at([rows.pose[0][k], rows.pose[1][k]]))) });
     const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
     set(parts.goal, { d: `M${gx - 7} ${gy - 7}l14 14m0 -14l-14 14` });
-    set(parts.goalName, { x: gx, y: gy + 27 });
+    set(parts.goalName, { x: gx, y: Math.min(gy + 31, box.clientHeight - 6) });
     const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null);
     set(parts.pTrail, { d: pathOf(past.map((k) => at([rows.p[0][k], rows.p[1][k]]))) });
     moveP();
