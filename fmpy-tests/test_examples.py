@@ -1,7 +1,9 @@
 """The examples run, and print what docs/python.md says."""
 
 import csv
+import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -62,11 +64,45 @@ def test_a_goal_that_cannot_be_had_is_said(tmp_path):
 @pytest.mark.parametrize(
     "name, options, expected",
     [("closed_loop", ["--goal", "1,2"], "a position is x,y,z"), ("goal_sequence", ["0,0,1", "1,2"], "a position is x,y,z"),
+     ("closed_loop", ["--goal", "nan,0,1"], "'nan' is not a finite number"),
+     ("closed_loop", ["--goal", "0,zero,1"], "'zero' is not a finite number"),
+     ("closed_loop", ["--goal", "0,0,-1"], "z > 0"),
+     ("closed_loop", ["--duration", "0"], "'0' is not a time above 0"),
+     ("closed_loop", ["--step", "-0.001"], "'-0.001' is not a time above 0"),
+     ("goal_sequence", ["--longest", "inf"], "'inf' is not a time above 0"),
+     ("goal_sequence", ["0.1,nan,1"], "'nan' is not a finite number"),
+     ("sweep_gains", ["--gains", "3,-2"], "'-2' is not a gain above 0"),
+     ("sweep_dask", ["--gains", "0,4"], "'0' is not a gain above 0"),
+     ("sweep_dask", ["--workers", "0"], "'0' is not a number of workers"),
+     ("closed_loop", ["--picture", "x.xyz"], "a picture ends with .png, .svg, .pdf"),
+     ("sweep_gains", ["--picture", "x.xyz"], "a picture ends with .png, .svg, .pdf"),
+     ("sweep_gains", ["--csv", "."], "it is a folder"),
      ("sweep_dask", ["--scheduler", "tcp://127.0.0.1:1"], "no scheduler at tcp://127.0.0.1:1")],
 )
 def test_wrong_options_are_named(name, options, expected, tmp_path):
     done = run(name, tmp_path, *options)
     assert done.returncode == 2 and expected in done.stderr.splitlines()[-1], done.stderr
+
+
+def test_a_goal_may_begin_with_a_minus(tmp_path):
+    done = run("closed_loop", tmp_path, "--goal", "-0.1,0,1", "--duration", "3")
+    assert done.returncode == 0 and "set point 1 from 0.00 s on: (-0.1000, 0.0000, 1.0000) m" in done.stdout, done.stderr
+    done = run("goal_sequence", tmp_path, "-.05,0,1", "--longest", "3")
+    assert done.returncode == 0 and "1: (-0.05, 0.0, 1.0) AtGoal" in done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("name, options", [("sweep_gains", []), ("sweep_dask", ["--workers", "2"])])
+def test_ctrl_c_is_a_line_and_no_traceback(name, options, tmp_path):
+    started = subprocess.Popen(
+        [sys.executable, "-u", str(EXAMPLES / f"{name}.py"), *options], cwd=tmp_path, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, start_new_session=True,
+    )
+    # At work once it says how far it is; what a terminal does then: the signal goes to the whole group.
+    (started.stderr if name == "sweep_dask" else started.stdout).read(1)
+    os.killpg(started.pid, signal.SIGINT)
+    _, said = started.communicate(timeout=60)
+    said = said.decode()
+    assert started.returncode == 130 and said.splitlines()[-1] == "interrupted" and "Traceback" not in said, said
 
 
 def test_a_cluster_elsewhere_gives_the_same(tmp_path):

@@ -3,8 +3,7 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::process::{Command, Output};
 
 use cable_robot::plan::{ControllerParameters, Status};
 use cable_robot::report::run_folder::Model;
@@ -132,7 +131,7 @@ fn unreachable_is_said_and_no_cable_goes_slack() {
 fn the_program_writes_what_the_library_computes() {
     let scenario = bundled("gust");
     let mut recording = Recording::new();
-    moments(&scenario).iter().for_each(|moment| recording.push(moment));
+    moments(&scenario).iter().for_each(|moment| recording.push(moment).unwrap());
     let RunFolder { info, table } = recorded(&["gust"]);
     assert!(table == recording.into_table());
     assert_eq!((info.scenario.as_deref(), info.step), (Some("gust"), 1e-3));
@@ -165,6 +164,57 @@ fn a_scenario_file_finds_its_rig_beside_it() {
     assert!(out.is_empty() && error.contains("mine.toml: line 2: duration = -1 is not allowed"), "{error}");
     let (_, error) = written(1, &["no/such.toml"]);
     assert!(error.contains("no/such.toml") && error.contains("paper, experiment"), "{error}");
+}
+
+/// What is said of a scenario file in a folder with these other files.
+fn refused(text: &str, others: &[(&str, &[u8])]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("my.toml");
+    fs::write(&path, text).unwrap();
+    others.iter().for_each(|(name, content)| fs::write(folder.path().join(name), content).unwrap());
+    let (out, error) = written(1, &[path.to_str().unwrap()]);
+    assert!(out.is_empty() && error.contains("my.toml: "), "{error}");
+    error
+}
+
+#[test]
+fn a_rig_that_will_not_do_is_named_with_the_line_that_names_it() {
+    let text = "title = \"t\"\nduration = 1\nrig = \"rig.toml\"\n";
+    let rigs = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs");
+    let [paper, eight] =
+        ["paper", "eight"].map(|name| fs::read_to_string(format!("{rigs}/{name}.toml")).unwrap());
+    let refused_rig = |rig: &[u8]| refused(text, &[("rig.toml", rig)]);
+    let missing = refused(text, &[]);
+    assert!(missing.contains("line 3: rig = \"rig.toml\": cannot read "), "{missing}");
+    let many = refused_rig(eight.as_bytes());
+    assert!(many.contains("line 3: rig = \"rig.toml\": ") && many.contains("8 cables"), "{many}");
+    let stiff = refused_rig(paper.replace("lambda = 3.0", "lambda = 1e9").as_bytes());
+    let line = paper.lines().position(|line| line.starts_with("lambda")).unwrap() + 1;
+    assert!(
+        stiff.contains(&format!("rig.toml: line {line}: gains.lambda = 1000000000 is not allowed")),
+        "{stiff}"
+    );
+    let binary = refused_rig(b"name = \"\xff\"");
+    assert!(binary.contains("line 1: byte 8 (0xff) is not UTF-8"), "{binary}");
+    let far = refused_rig(paper.replace("home = [0.0,", "home = [0.4,").as_bytes());
+    assert!(far.contains("line 3: rig = \"rig.toml\": home (0.4, 0, 1"), "{far}");
+    let tight = refused(
+        &format!("start = [0, 0, 1]\n{text}[controller]\nmax_tension = 5.0"),
+        &[("rig.toml", paper.as_bytes())],
+    );
+    assert!(tight.contains("line 1: start (0, 0, 1, 0, 0, 0): at rest there cable 1 pulls"), "{tight}");
+}
+
+#[test]
+fn a_run_ends_before_a_value_that_is_not_finite() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, run] = ["my.toml", "run"].map(|name| folder.path().join(name));
+    fs::write(&path, "title = \"t\"\nduration = 1\n[[disturbances]]\nfrom = 0.5\nforce = [0, 1e160, 0]")
+        .unwrap();
+    let (_, said) = written(1, &[path.to_str().unwrap(), "--output", run.to_str().unwrap()]);
+    assert!(said.contains(" is not a finite number"), "{said}");
+    let rows = RunFolder::read(&run).unwrap().table.rows();
+    assert!(rows > 500 && rows < 1001, "{rows}");
 }
 
 #[test]
@@ -217,26 +267,6 @@ fn a_sensor_fault_at_the_end_is_no_success() {
     std::fs::write(&path, thrown).unwrap();
     let (_, text) = written(3, &[path.to_str().unwrap()]);
     assert!(text.contains("SensorFault"), "{text}");
-}
-
-#[test]
-fn ctrl_c_leaves_whole_files() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = folder.path().join("run");
-    let arguments = ["--to", "0.15,0.15,1", "--duration", "1000", "--output", output.to_str().unwrap()];
-    let mut child = command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
-    while !output.is_dir() {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    std::thread::sleep(Duration::from_millis(300));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let mut summary = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut summary).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{summary}");
-    assert!(summary.contains("set points"), "{summary}");
-    let rows = RunFolder::read(&output).unwrap().table.rows();
-    assert!((2..1_000_000).contains(&rows), "{rows} rows");
-    assert_eq!(fs::read_dir(&output).unwrap().count(), 2, "nothing half written");
 }
 
 fn fmu(version: &str, model: &str) -> PathBuf {
@@ -364,43 +394,4 @@ fn what_the_page_shows_is_so() {
     fs::write(&path, "title = \"t\"\nduration = 1\n\n\n\n\n[[goals]]\ntime = 0\npose = [0, 0, -1]").unwrap();
     let (_, error) = written(1, &[path.to_str().unwrap()]);
     assert!(error.trim_end().ends_with(refusal), "{error}");
-}
-
-/// The completion script for a shell.
-fn completions(shell: &str) -> String {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_cable-robot")).args(["completions", shell]).output().unwrap();
-    assert!(output.status.success(), "{shell}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[test]
-fn bash_completes_commands_and_their_options() {
-    let folder = tempfile::tempdir().unwrap();
-    let script = folder.path().join("completions.bash");
-    fs::write(&script, completions("bash")).unwrap();
-    let completed = |words: &str, current: &str| {
-        // As bash does when the tabulator is pressed: the function it was told, the words, the one to complete.
-        let ask = format!(
-            "source {}; complete -p cable-robot > /dev/null || exit 1; COMP_WORDS=({words} {current}); \
-             COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _cable__robot cable-robot '{current}' ''; echo ${{COMPREPLY[@]}}",
-            script.display()
-        );
-        let output = Command::new("bash").args(["-c", &ask]).output().unwrap();
-        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-        String::from_utf8(output.stdout).unwrap()
-    };
-    assert_eq!(completed("cable-robot", "sim").trim(), "simulate");
-    for option in ["--fmu", "--output", "--list", "--planner"] {
-        assert!(completed("cable-robot simulate", "--").contains(option), "{option}");
-    }
-    assert!(!completed("cable-robot plan", "--").contains("--fmu"));
-}
-
-#[test]
-fn zsh_and_fish_are_told_the_options() {
-    for (shell, known) in [("zsh", "#compdef cable-robot"), ("fish", "complete -c cable-robot")] {
-        let script = completions(shell);
-        assert!(script.contains(known) && script.contains("fmu"), "{shell}");
-    }
 }

@@ -60,3 +60,14 @@ fn exact_from_any_state_is_the_fastest() {
         assert_eq!(gain[2]["reached"], 100);
     }
 }
+
+#[test]
+fn margins_outside_the_projects_folder_says_what_is_needed() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cable-robot"));
+    let output = command.args(["study", "margins"]).current_dir(elsewhere.path()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("--plant target/fmu/") && said.contains("cargo fmu build"), "{said}");
+    assert!(said.contains("in the project's folder"), "{said}");
+}

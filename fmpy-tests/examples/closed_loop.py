@@ -5,6 +5,8 @@ Prints the set points, the smallest tension and the time to the goal. The other 
 
 import argparse
 import csv
+import math
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -16,6 +18,7 @@ POSE = ["x", "y", "z", "roll", "pitch", "yaw"]
 TENSIONS = [f"measuredTension[{cable}]" for cable in range(1, 7)]
 STATUS = {1: "Disabled", 2: "Holding", 3: "Moving", 4: "AtGoal", 5: "GoalUnreachable", 6: "SensorFault"}
 AT_GOAL, GOAL_UNREACHABLE = 4, 5
+PICTURES = [".png", ".svg", ".pdf"]
 
 
 class Fmu:
@@ -113,16 +116,34 @@ class ClosedLoop:
         self.close()
 
 
-def numbers(text):
-    """Reads numbers with commas between them."""
-    return [float(part) for part in text.split(",")]
+def number(text, allowed=lambda _: True, what="a finite number"):
+    """Reads a number that is allowed."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found) or not allowed(found):
+        raise argparse.ArgumentTypeError(f"{text.strip()!r} is not {what}")
+    return found
+
+
+def seconds(text):
+    """Reads a time."""
+    return number(text, lambda found: found > 0, "a time above 0 (s)")
+
+
+def gain_values(text):
+    """Reads gains with commas between them."""
+    return [number(part, lambda found: 0 < found <= 1000, "a gain above 0 and up to 1000 (1/s)") for part in text.split(",")]
 
 
 def position(text):
-    """Reads x,y,z."""
-    found = numbers(text)
+    """Reads x,y,z below the base."""
+    found = [number(part) for part in text.split(",")]
     if len(found) != 3:
-        raise argparse.ArgumentTypeError(f"{text}: {len(found)} numbers; a position is x,y,z (m)")
+        raise argparse.ArgumentTypeError(f"{text.strip()}: {len(found)} numbers; a position is x,y,z (m)")
+    if found[2] <= 0:
+        raise argparse.ArgumentTypeError(f"{text.strip()}: z points down, a position below the base has z > 0 (m)")
     return found
 
 
@@ -130,20 +151,32 @@ def parser(description):
     """The options that all examples share."""
     result = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument("--fmus", type=Path, default=FMUS, help="folder of the two FMUs (default: %(default)s)")
-    result.add_argument("--picture", type=Path, help="writes a picture into this file: .png, .svg or .pdf")
+    result.add_argument("--picture", type=Path, help=f"writes a picture into this file: {', '.join(PICTURES)}")
     result.add_argument("--csv", type=Path, help="writes a table into this file")
     return result
 
 
 def options(parser):
-    """Reads the command line; says so at once if the FMUs, or the folder of a result, are not there."""
-    found = parser.parse_args()
+    """Reads the command line; says so at once if the FMUs are not there, or a result cannot be written."""
+    # A word that begins with a space is no option, -0.1,0,1 would be taken for one.
+    found = parser.parse_args([f" {word}" if re.match(r"-[\d.]", word) else word for word in sys.argv[1:]])
     for path in filter(None, (found.picture, found.csv)):
-        if not path.parent.is_dir():
-            parser.error(f"cannot write {path}: no folder {path.parent}")
+        if path.is_dir() or not path.parent.is_dir():
+            parser.error(f"cannot write {path}: " + ("it is a folder" if path.is_dir() else f"no folder {path.parent}"))
+    if found.picture and found.picture.suffix not in PICTURES:
+        parser.error(f"cannot write {found.picture}: a picture ends with {', '.join(PICTURES)}")
     if not (found.fmus / "CableRobotController.fmu").exists():
         parser.error(f"no CableRobotController.fmu in {found.fmus}: run `cargo fmu build`, or give --fmus")
     return found
+
+
+def run(main):
+    """Ends the program with what `main` returns, and after Ctrl-C with 130, as shells have it."""
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        print("\ninterrupted", file=sys.stderr)
+        sys.exit(130)
 
 
 def write_csv(path, header, rows):
@@ -178,8 +211,8 @@ def draw(path, rows):
 def main():
     arguments = parser(__doc__)
     arguments.add_argument("--goal", type=position, default=[0.15, 0.15, 1.0], metavar="X,Y,Z", help="goal, m")
-    arguments.add_argument("--duration", type=float, default=9.0, help="simulated time, s (default: %(default)s)")
-    arguments.add_argument("--step", type=float, default=1e-3, help="communication step, s (default: %(default)s)")
+    arguments.add_argument("--duration", type=seconds, default=9.0, help="simulated time, s (default: %(default)s)")
+    arguments.add_argument("--step", type=seconds, default=1e-3, help="communication step, s (default: %(default)s)")
     chosen = options(arguments)
 
     rows, arrival = [], None
@@ -206,4 +239,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main)

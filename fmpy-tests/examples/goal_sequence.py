@@ -3,9 +3,7 @@
 Prints when each goal was reached, over how many set points, and the smallest tension on the way.
 """
 
-import sys
-
-from closed_loop import AT_GOAL, GOAL_UNREACHABLE, STATUS, ClosedLoop, options, parser, position, write_csv
+from closed_loop import AT_GOAL, GOAL_UNREACHABLE, STATUS, ClosedLoop, options, parser, position, run, seconds, write_csv
 
 TOUR = [[0.15, 0.15, 1.0], [-0.15, 0.15, 1.0], [-0.1, -0.1, 0.8], [0.15, -0.1, 0.8], [0.0, 0.0, 1.0]]
 EXACT = 2  # the planner that also changes the height
@@ -47,9 +45,9 @@ def draw(path, rows, goals):
 def main():
     arguments = parser(__doc__)
     arguments.add_argument(
-        "goals", nargs="*", type=position, default=TOUR, metavar="X,Y,Z", help="goals, m; put -- before negative ones"
+        "goals", nargs="*", type=position, default=TOUR, metavar="X,Y,Z", help="goals, m"
     )
-    arguments.add_argument("--longest", type=float, default=20.0, help="time for one goal, s (default: %(default)s)")
+    arguments.add_argument("--longest", type=seconds, default=20.0, help="time for one goal, s (default: %(default)s)")
     chosen = options(arguments)
 
     every, reached = [], 0
@@ -73,4 +71,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main)

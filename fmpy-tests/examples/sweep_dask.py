@@ -4,13 +4,15 @@ The two FMUs and closed_loop.py are sent to the workers, so these need no files 
 Linux x86-64. Prints progress, and of the pairs of gains the fastest with its smallest tension.
 """
 
+import logging
+import signal
 import sys
 import tempfile
 from pathlib import Path
 
 from dask.distributed import Client, LocalCluster, as_completed, get_worker
 
-from closed_loop import numbers, options, parser, write_csv
+from closed_loop import gain_values, number, options, parser, run, seconds, write_csv
 
 NAMES = ["CableRobotController.fmu", "CableRobotPlant.fmu"]
 
@@ -53,6 +55,21 @@ def sweep(client, chosen):
     return client.gather(futures)
 
 
+def workers(text):
+    """Reads how many."""
+    return int(number(text, lambda found: found >= 1 and found == int(found), "a number of workers, 1 or more"))
+
+
+def local_cluster(count):
+    """Workers on this machine, which leave Ctrl-C to this program: it ends them, and they need not say so. While they start nobody hears it."""
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        # One thread a worker: Python lets only one of them work.
+        return LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs=logging.ERROR)
+    finally:
+        signal.signal(signal.SIGINT, handler)
+
+
 def draw(path, rows, gains):
     import matplotlib
 
@@ -78,10 +95,10 @@ def draw(path, rows, gains):
 def main():
     arguments = parser(__doc__)
     arguments.add_argument("--scheduler", metavar="ADDRESS", help="a running dask scheduler, such as tcp://HOST:8786")
-    arguments.add_argument("--workers", type=int, help="workers on this machine (default: one a core)")
-    arguments.add_argument("--gains", type=numbers, default=[2, 3, 4, 6, 8], metavar="N,N,...", help="values of λ and of η, 1/s")
-    arguments.add_argument("--step", type=float, default=1e-3, help="communication step, s (default: %(default)s)")
-    arguments.add_argument("--longest", type=float, default=15.0, help="time for one move, s (default: %(default)s)")
+    arguments.add_argument("--workers", type=workers, help="workers on this machine (default: one a core)")
+    arguments.add_argument("--gains", type=gain_values, default=[2, 3, 4, 6, 8], metavar="N,N,...", help="values of λ and of η, 1/s")
+    arguments.add_argument("--step", type=seconds, default=1e-3, help="communication step, s (default: %(default)s)")
+    arguments.add_argument("--longest", type=seconds, default=15.0, help="time for one move, s (default: %(default)s)")
     chosen = options(arguments)
 
     if chosen.scheduler:
@@ -92,10 +109,8 @@ def main():
         with client:
             rows = sweep(client, chosen)
     else:
-        # One thread a worker: Python lets only one of them work.
-        with LocalCluster(n_workers=chosen.workers, threads_per_worker=1, dashboard_address=None) as cluster:
-            with Client(cluster) as client:
-                rows = sweep(client, chosen)
+        with local_cluster(chosen.workers) as cluster, Client(cluster) as client:
+            rows = sweep(client, chosen)
 
     arrived = [row for row in rows if row[2] is not None]
     print(f"{len(arrived)} of {len(rows)} cases arrived within {chosen.longest:g} s")
@@ -110,4 +125,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main)

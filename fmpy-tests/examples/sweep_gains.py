@@ -3,9 +3,7 @@
 With the paper's planner (bounded) higher gains make smaller domains and so more steps; with the exact one they make the robot faster.
 """
 
-import sys
-
-from closed_loop import AT_GOAL, ClosedLoop, numbers, options, parser, write_csv
+from closed_loop import AT_GOAL, ClosedLoop, gain_values, options, parser, run, seconds, write_csv
 
 PLANNERS = {"bounded": 1, "exact": 2}
 
@@ -46,8 +44,8 @@ def draw(path, rows):
 
 def main():
     arguments = parser(__doc__)
-    arguments.add_argument("--gains", type=numbers, default=[1.5, 2, 3, 4, 5, 6, 8], metavar="N,N,...", help="values of λ = η, 1/s")
-    arguments.add_argument("--longest", type=float, default=30.0, help="time for one move, s (default: %(default)s)")
+    arguments.add_argument("--gains", type=gain_values, default=[1.5, 2, 3, 4, 5, 6, 8], metavar="N,N,...", help="values of λ = η, 1/s")
+    arguments.add_argument("--longest", type=seconds, default=30.0, help="time for one move, s (default: %(default)s)")
     chosen = options(arguments)
 
     rows = []
@@ -66,4 +64,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main)

@@ -6,7 +6,8 @@ use anyhow::Result;
 use cable_robot::cosim::{Fmu, Instance, LogMessage, Status};
 use cable_robot::fmi::Model;
 use cable_robot::fmi::describe::Version;
-use cable_robot::report::run_folder::{self, FORMAT, write_whole};
+use cable_robot::report::files::write_whole;
+use cable_robot::report::run_folder::{self, FORMAT};
 use cable_robot::report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
 use indicatif::{ProgressBar, ProgressStyle};
 

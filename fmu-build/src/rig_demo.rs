@@ -8,7 +8,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use cable_robot::report::run_folder::{self, RUN_CSV, write_whole};
+use cable_robot::report::files::write_whole;
+use cable_robot::report::run_folder::{self, RUN_CSV};
 use cable_robot::report::{RunFolder, html};
 use serde_json::Value;
 

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::domains::{domain, vertices};
 use super::explanation;
-use super::history::History;
+use super::history::{History, status_name};
 use super::thinning::{drawn_rows, rounded};
+use crate::plan::Status;
 use crate::reach::static_workspace;
 use crate::robot::geometry::FACET_NORMALS;
 use crate::robot::{CABLES, Geometry, PerCable, Pose};
@@ -14,8 +15,8 @@ use crate::robot::{CABLES, Geometry, PerCable, Pose};
 const FINE: f64 = 1e6;
 /// Steps to a newton.
 const NEWTON: f64 = 1e4;
-/// Of more set points than this, the domains of the first ones only are drawn.
-const MOST_DOMAINS: usize = 100;
+/// More set points or goals than these are no longer told apart: the first ones are listed, and drawn is what the drawn rows show.
+pub const MANY: usize = 100;
 
 /// Lengths in m, tensions in N, times in s, `row` an index into the drawn rows.
 #[derive(Serialize)]
@@ -32,8 +33,15 @@ pub struct Data {
     limits: Limits,
     /// Greatest tension measured.
     tension_top: f64,
-    statuses: [&'static str; 7],
+    /// Names of the statuses from number 1 on.
+    statuses: [&'static str; 6],
+    /// Those active in a drawn row.
     set_points: Vec<SetPoint>,
+    /// Number of the last set point.
+    last_set_point: usize,
+    /// More than [`MANY`]: drawn as a line.
+    many_set_points: bool,
+    /// Those that hold in a drawn row.
     goals: Vec<Goal>,
     /// From when to when a cable was slack.
     slack_spans: Vec<[f64; 2]>,
@@ -48,6 +56,7 @@ struct Limits {
 
 #[derive(Serialize)]
 struct SetPoint {
+    number: usize,
     row: usize,
     pose: [f64; 6],
     /// Outline of the domain that it was chosen from.
@@ -83,16 +92,17 @@ impl Data {
         let robot = &history.info.plant_parameters.robot;
         let geometry = Geometry::new(robot);
         let limits = &history.info.controller_parameters;
-        let chosen = |(i, row): (usize, &usize)| SetPoint {
-            row: place(*row),
-            pose: shortened(&history.set_point[*row]),
-            domain: (1..MOST_DOMAINS)
+        let chosen = |i: usize| SetPoint {
+            number: i,
+            row: place(set_points[i]),
+            pose: shortened(&history.set_point[set_points[i]]),
+            domain: (1..MANY)
                 .contains(&i)
-                .then(|| domain(history, set_points[i - 1], *row))
+                .then(|| domain(history, set_points[i - 1], set_points[i]))
                 .flatten()
                 .map(|outline| outline.iter().map(|point| point.map(|x| rounded(x, FINE))).collect()),
         };
-        let goal = |row: &usize| Goal { row: place(*row), pose: shortened(&history.goal[*row]) };
+        let goal = |i: usize| Goal { row: place(goals[i]), pose: shortened(&history.goal[goals[i]]) };
         let tension = history.run.tension.iter().flatten();
         Self {
             anchors: geometry.anchor.map(Into::into),
@@ -103,17 +113,11 @@ impl Data {
             workspace: vertices(&static_workspace(robot), 2.0 * robot.a).unwrap_or_default(),
             limits: Limits { min: limits.min_tension, max: limits.max_tension },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
-            statuses: [
-                "",
-                "disabled",
-                "holding",
-                "moving",
-                "at the goal",
-                "goal unreachable",
-                "sensor fault",
-            ],
-            set_points: set_points.iter().enumerate().map(chosen).collect(),
-            goals: goals.iter().map(goal).collect(),
+            statuses: Status::ALL.map(status_name),
+            set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
+            last_set_point: set_points.len() - 1,
+            many_set_points: set_points.len() > MANY,
+            goals: active(&goals, &drawn).into_iter().map(goal).collect(),
             slack_spans: slack_spans(history),
             rows: Rows::new(history, &drawn),
         }
@@ -148,14 +152,22 @@ impl Rows {
     }
 }
 
-/// The rows that are drawn: new set points and goals and the instants before them, changes of slack, extremes.
+/// Which of what begins at the rows `starts` hold at one of the rows `drawn`, in order.
+fn active(starts: &[usize], drawn: &[usize]) -> Vec<usize> {
+    let mut active: Vec<_> =
+        drawn.iter().map(|row| starts.partition_point(|start| start <= row) - 1).collect();
+    active.dedup();
+    active
+}
+
+/// The rows that are drawn: new set points and goals, unless there are [`MANY`], and the instants before them, changes of slack, extremes.
 fn shown(history: &History, set_points: &[usize], goals: &[usize]) -> Vec<usize> {
     let run = &history.run;
     let coordinates: [Vec<f64>; 6] =
         std::array::from_fn(|k| history.pose.iter().map(|pose| pose.0[k]).collect());
     let columns = coordinates.iter().chain(&run.tension).chain(&run.slack).chain([&run.tension_margin]);
     let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
-    let jumps = set_points.iter().chain(goals);
+    let jumps = [set_points, goals].into_iter().filter(|rows| rows.len() <= MANY).flatten();
     let also: Vec<usize> = jumps.flat_map(|row| [row.saturating_sub(1), *row]).collect();
     drawn_rows(history.len(), &columns, &also)
 }

@@ -80,9 +80,10 @@ impl<'a> History<'a> {
         (0..self.len()).filter(|row| *row == 0 || self.goal[*row] != self.goal[*row - 1]).collect()
     }
 
-    /// For each goal the row in which it was given, and after how long the robot rested at it, s.
+    /// For each goal the row in which it was given, and after how long the robot rested at it, s. To hold the start is no goal.
     pub fn goals(&self) -> Vec<(usize, Option<f64>)> {
-        let given = self.goal_rows();
+        let holds_start = |row: &usize| *row == 0 && self.goal[0] == self.info.plant_parameters.initial_pose;
+        let given: Vec<_> = self.goal_rows().into_iter().filter(|row| !holds_start(row)).collect();
         let ends = given.iter().skip(1).copied().chain([self.len()]);
         let reached = |(start, end): (usize, usize)| {
             let row = (start..end).find(|row| self.run.at_goal[*row] != 0.0)?;
@@ -91,9 +92,27 @@ impl<'a> History<'a> {
         given.iter().zip(ends).map(|(start, end)| (*start, reached((*start, end)))).collect()
     }
 
+    /// What the controller said last; `None` if it did not say.
+    pub fn last_status(&self) -> Option<Status> {
+        let number = *self.status.as_ref()?.last()?;
+        Status::ALL.into_iter().find(|status| *status as i32 == number)
+    }
+
     /// Whether any cable is slack.
     pub fn is_slack(&self, row: usize) -> bool {
         self.run.slack.iter().any(|cable| cable[row] != 0.0)
+    }
+}
+
+/// A status in words.
+pub fn status_name(status: Status) -> &'static str {
+    match status {
+        Status::Disabled => "disabled",
+        Status::Holding => "holding",
+        Status::Moving => "moving",
+        Status::AtGoal => "at the goal",
+        Status::GoalUnreachable => "goal unreachable",
+        Status::SensorFault => "sensor fault",
     }
 }
 

@@ -6,6 +6,8 @@ mod closed_loop;
 mod data;
 mod domains;
 mod explanation;
+mod facts;
+pub mod files;
 mod history;
 mod page;
 pub mod recording;
@@ -44,12 +46,16 @@ mod tests {
             duration,
             step: 1e-3,
         };
-        let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
+        record(&scenario)
+    }
+
+    pub(super) fn record(scenario: &Scenario) -> RunFolder {
+        let mut closed_loop = ClosedLoop::new(scenario).unwrap();
         let mut recording = Recording::new();
-        recording.push(closed_loop.moment());
-        for _ in 0..(duration / scenario.step).round() as usize {
+        recording.push(closed_loop.moment()).unwrap();
+        for _ in 0..(scenario.duration / scenario.step).round() as usize {
             closed_loop.step().unwrap();
-            recording.push(closed_loop.moment());
+            recording.push(closed_loop.moment()).unwrap();
         }
         let info = RunInfo {
             format: FORMAT,
@@ -60,8 +66,8 @@ mod tests {
             plant: Model::Library,
             rig: scenario.rig.clone(),
             step: scenario.step,
-            controller_parameters: controller,
-            plant_parameters: plant,
+            controller_parameters: scenario.controller,
+            plant_parameters: scenario.plant,
         };
         RunFolder { info, table: recording.into_table() }
     }

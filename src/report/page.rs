@@ -4,12 +4,11 @@ use std::fmt::Display;
 
 use quick_xml::escape::escape;
 
-use super::data::Data;
-use super::history::History;
-use super::run_folder::Model;
+use super::data::{Data, MANY};
+use super::facts::{facts, first_of};
+use super::history::{History, status_name};
 use super::{RunFolder, Summary, TableError};
-use crate::plan::{PlannerKind, PoseSource};
-use crate::robot::{CABLES, Pose};
+use crate::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -37,6 +36,7 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("verdict", verdict(&history, &summary)),
         ("facts", table(&facts(&history, &summary))),
         ("set_points", set_points(&history, turned)),
+        ("more_set_points", more_set_points(&history)),
         ("angle_heads", angle_heads(turned).to_owned()),
         ("domain_key", domain_key(&history).to_owned()),
         ("p_source", p_source(&history).to_owned()),
@@ -81,6 +81,7 @@ fn verdict(history: &History, summary: &Summary) -> String {
     let goals = history.goals();
     let reached = goals.iter().filter(|(_, time)| time.is_some()).count();
     list += &match goals.as_slice() {
+        [] => item(false, "goal", &"none given"),
         [(_, Some(time))] => item(false, "at the goal after", &format!("{time:.3} s")),
         [(_, None)] => item(true, "goal", &"not reached"),
         many => item(reached < many.len(), "goals reached", &format!("{reached} of {}", many.len())),
@@ -93,122 +94,12 @@ fn verdict(history: &History, summary: &Summary) -> String {
         None => item(false, "slack cables", &"none"),
     };
     let steps = history.set_point_rows().len() - 1;
-    list + &item(false, "set points", &steps)
-}
-
-/// What was run and with what, and what came of it.
-fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)> {
-    let info = history.info;
-    let (controller, plant) = (&info.controller_parameters, &info.plant_parameters);
-    let (robot, gains) = (&plant.robot, controller.gains());
-    let planner = match controller.planner {
-        PlannerKind::Bounded => "reachable domain (15)",
-        PlannerKind::Exact => "exact domain",
-    };
-    let source = match controller.pose_source {
-        PoseSource::EncoderPose => "the encoders' pose",
-        PoseSource::CableLengths => "the cable lengths",
-    };
-    let ends = |column: &[f64]| (column[0], column[column.len() - 1]);
-    let (start, end) = ends(&history.run.times);
-    let mut facts = vec![
-        ("Controller", model(&info.controller)),
-        ("Plant", model(&info.plant)),
-        ("Rig", info.rig.clone()),
-        (
-            "Robot",
-            format!(
-                "a = {} m, b = {} m, m = {} kg, I = ({}, {}, {}) kg m², g = {} m/s²",
-                robot.a, robot.b, robot.m, robot.i1, robot.i2, robot.i3, robot.g
-            ),
-        ),
-        (
-            "Law (4)",
-            format!(
-                "λ = {} 1/s, η = {} 1/s: ω = {:.3} 1/s, ξ = {:.3}; reads {source}; load-cell force loop {}",
-                gains.lambda,
-                gains.eta,
-                gains.omega_n(),
-                gains.xi(),
-                if controller.force_loop { "closed" } else { "open" }
-            ),
-        ),
-        (
-            "Planner",
-            format!("{planner}, T_s = {} s, N = {}", controller.planner_period, controller.bisection_steps),
-        ),
-        ("Tension limits", format!("{} to {} N", controller.min_tension, controller.max_tension)),
-        (
-            "Imperfections",
-            format!(
-                "friction {} N, motor lag {} s, encoder resolution {} m, load-cell noise {} N (seed {})",
-                plant.friction,
-                plant.motor_lag,
-                plant.encoder_resolution,
-                plant.load_cell_noise,
-                plant.noise_seed
-            ),
-        ),
-        (
-            "Disturbance",
-            match history.disturbance {
-                [0.0, 0.0] => "none".to_owned(),
-                [force, torque] => format!("up to {force:.3} N and {torque:.3} N m"),
-            },
-        ),
-        ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, history.len())),
-        ("Written by", format!("cable-robot {}", info.program_version)),
-    ];
-    if let Some(scenario) = &info.scenario {
-        facts.insert(0, ("Scenario", scenario.clone()));
+    list += &item(false, "set points", &steps);
+    if let Some(status) = history.last_status() {
+        let is_bad = matches!(status, Status::GoalUnreachable | Status::SensorFault);
+        list += &item(is_bad, "status at the end", &status_name(status));
     }
-    let smallest = summary.smallest_tension.map_or("none recorded".to_owned(), |s| s.to_string());
-    let last = history.len() - 1;
-    let missed = history.pose[last].minus(&history.goal[last]);
-    facts.extend(history.goals().iter().map(|goal| ("Goal", arrival(history, goal))));
-    facts.extend([
-        ("Smallest tension", smallest),
-        ("Slack cables", slack(history)),
-        ("From the goal at the end", format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
-    ]);
-    facts
-}
-
-fn model(model: &Model) -> String {
-    match model {
-        Model::Library => "the library's own".to_owned(),
-        Model::Rig => "a rig with drives and load cells".to_owned(),
-        Model::Fmu { path, name, fmi_version } => {
-            format!("{name}, FMI {fmi_version}, {}", path.display())
-        }
-    }
-}
-
-/// When a goal was given and how long the robot took.
-fn arrival(history: &History, (row, reached): &(usize, Option<f64>)) -> String {
-    let given = history.run.times[*row];
-    let after = reached.map_or("not reached".to_owned(), |time| format!("reached after {time:.3} s"));
-    format!("{} given at {given:.3} s: {after}", pose(&history.goal[*row]))
-}
-
-/// Position in m, and angles in rad if there are any.
-fn pose(pose: &Pose) -> String {
-    let [p, angles] = [pose.position(), pose.angles()].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
-    if pose.angles().amax() == 0.0 { format!("{p} m") } else { format!("{p} m, turned {angles} rad") }
-}
-
-/// Each slack cable with its first time and for how long.
-fn slack(history: &History) -> String {
-    let times = &history.run.times;
-    let of = |i: usize| {
-        let column = &history.run.slack[i];
-        let first = column.iter().position(|value| *value != 0.0)?;
-        let total: f64 =
-            (1..times.len()).filter(|k| column[*k] != 0.0).map(|k| times[k] - times[k - 1]).sum();
-        Some(format!("cable {} from {:.3} s, {total:.3} s in all", i + 1, times[first]))
-    };
-    let cables: Vec<_> = (0..CABLES).filter_map(of).collect();
-    if cables.is_empty() { "none".to_owned() } else { cables.join("; ") }
+    list
 }
 
 fn domain_key(history: &History) -> &'static str {
@@ -256,7 +147,12 @@ fn angle_heads(turned: bool) -> &'static str {
     }
 }
 
-/// Rows of number, time and pose; angles if there are any.
+fn more_set_points(history: &History) -> String {
+    let count = history.set_point_rows().len();
+    if count > MANY { first_of(MANY, count, "set points") } else { String::new() }
+}
+
+/// Rows of number, time and pose of the first [`MANY`]; angles if there are any.
 fn set_points(history: &History, turned: bool) -> String {
     let row = |(i, row): (usize, &usize)| {
         let pose = &history.set_point[*row].0;
@@ -265,13 +161,15 @@ fn set_points(history: &History, turned: bool) -> String {
             cells.map(|value| format!("<td>{:.4}</td>", (value * 1e4).round() / 1e4 + 0.0)).collect();
         format!("<tr><td>{i}</td><td>{:.3}</td>{cells}</tr>\n", history.run.times[*row])
     };
-    history.set_point_rows().iter().enumerate().map(row).collect()
+    history.set_point_rows().iter().take(MANY).enumerate().map(row).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Table;
     use crate::report::tests::run;
+    use crate::sim::Scenario;
 
     #[test]
     fn twenty_noisy_seconds_stay_small_and_stand_alone() {
@@ -283,6 +181,61 @@ mod tests {
         assert_eq!(page.matches("</script>").count(), 3, "no text ends a script");
         assert!(!page.contains("{{"), "every place is filled");
         assert!(page.contains("Copyright (c) 2022 Leon Sorokin"), "uPlot's licence goes with it");
+    }
+
+    /// The table with each value changed by its column's name, its row and itself.
+    fn changed(table: &Table, change: impl Fn(&str, usize, f64) -> f64) -> Table {
+        let mut changed = Table::new(table.names()[1..].iter().cloned());
+        let columns: Vec<_> = table.names().iter().map(|name| (name, table.column(name).unwrap())).collect();
+        for row in 0..table.rows() {
+            let values: Vec<f64> =
+                columns[1..].iter().map(|(name, column)| change(name, row, column[row])).collect();
+            changed.push(columns[0].1[row], &values);
+        }
+        changed
+    }
+
+    #[test]
+    fn a_set_point_and_a_goal_at_each_step_of_twenty_noisy_seconds_stay_small() {
+        let mut folder = run(PlannerKind::Bounded, 20.0, 0.5);
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.setPointIndex" => row as f64,
+            "controller.setPoint.x" | "controller.goalPose.x" => 0.1 * (row as f64 / 3e3).sin(),
+            _ => value,
+        });
+        let page = html(&folder).unwrap();
+        assert!(page.len() < 6_000_000, "{} bytes", page.len());
+        assert!(page.contains("set points <b>20000</b>"));
+        assert!(page.matches("<tr>").count() < 300, "{} rows of tables", page.matches("<tr>").count());
+        assert!(page.contains("The first 100 of 20001 set points"));
+        assert!(page.contains("The first 10 of 20001 goals"));
+    }
+
+    #[test]
+    fn without_a_goal_none_was_reached_and_the_last_status_is_said() {
+        let mut folder = crate::report::tests::record(&Scenario {
+            title: "thrown".to_owned(),
+            rig: String::new(),
+            controller: Default::default(),
+            plant: Default::default(),
+            goals: vec![],
+            disturbances: vec![],
+            duration: 0.1,
+            step: 0.01,
+        });
+        let page = html(&folder).unwrap();
+        assert!(page.contains("<li>goal <b>none given</b></li>"));
+        assert!(page.contains("<li>status at the end <b>at the goal</b></li>"));
+        assert!(!page.contains("at the goal after") && !page.contains(" given at "));
+        assert!(page.contains("From the start at the end"));
+
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.status" if row > 3 => f64::from(Status::SensorFault as i32),
+            _ => value,
+        });
+        assert!(
+            html(&folder).unwrap().contains("<li class=\"bad\">status at the end <b>sensor fault</b></li>")
+        );
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Which columns a run has, and how a simulation fills them.
 
+use thiserror::Error;
+
 use super::table::Table;
 use crate::fmi::models::{controller, plant};
 use crate::fmi::values::Values;
@@ -32,6 +34,18 @@ fn variables() -> Vec<(Model, String, u32)> {
     of(Model::Plant).chain(of(Model::Controller)).collect()
 }
 
+/// A value that no file can hold and nobody can draw.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{column} = {value} at {time} s is not a finite number")]
+pub struct NotFinite {
+    /// Its column.
+    pub column: String,
+    /// What it is.
+    pub value: f64,
+    /// s.
+    pub time: f64,
+}
+
 /// Takes down the moments of a simulation.
 pub struct Recording {
     variables: Vec<(Model, String, u32)>,
@@ -48,9 +62,17 @@ impl Recording {
     }
 
     /// Adds a row.
-    pub fn push(&mut self, moment: &Moment) {
+    ///
+    /// # Errors
+    /// [`NotFinite`]; the row is not added then.
+    pub fn push(&mut self, moment: &Moment) -> Result<(), NotFinite> {
         let row = self.row(moment);
+        if let Some(k) = row.iter().position(|value| !value.is_finite()) {
+            let (column, value) = (self.table.names()[k + 1].clone(), row[k]);
+            return Err(NotFinite { column, value, time: moment.time });
+        }
         self.table.push(moment.time, &row);
+        Ok(())
     }
 
     /// A moment's values in the order of [`columns`], without taking it down.
@@ -83,6 +105,31 @@ mod tests {
     use crate::robot::Pose;
     use crate::sim::{ClosedLoop, Goal, PlantParameters, Scenario};
 
+    /// A second at rest in ten steps, with a goal.
+    fn resting() -> Scenario {
+        Scenario {
+            title: String::new(),
+            rig: String::new(),
+            controller: Default::default(),
+            plant: PlantParameters::default(),
+            goals: vec![Goal { time: 0.0, pose: Pose::at(0.05, 0.0, 1.0) }],
+            disturbances: vec![],
+            duration: 1.0,
+            step: 0.1,
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_taken_down() {
+        let scenario = resting();
+        let mut moment = *ClosedLoop::new(&scenario).unwrap().moment();
+        moment.plant.encoder_pose.0[1] = f64::INFINITY;
+        let mut recording = Recording::new();
+        let said = recording.push(&moment).unwrap_err().to_string();
+        assert_eq!(said, "plant.encoderPose.y = inf at 0 s is not a finite number");
+        assert_eq!(recording.into_table().rows(), 0);
+    }
+
     #[test]
     fn the_columns_are_the_variables_of_the_fmus() {
         let columns = columns();
@@ -97,21 +144,12 @@ mod tests {
 
     #[test]
     fn a_row_holds_what_controller_and_plant_said() {
-        let scenario = Scenario {
-            title: String::new(),
-            rig: String::new(),
-            controller: Default::default(),
-            plant: PlantParameters::default(),
-            goals: vec![Goal { time: 0.0, pose: Pose::at(0.05, 0.0, 1.0) }],
-            disturbances: vec![],
-            duration: 1.0,
-            step: 0.1,
-        };
+        let scenario = resting();
         let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
         let mut recording = Recording::new();
-        recording.push(closed_loop.moment());
+        recording.push(closed_loop.moment()).unwrap();
         closed_loop.step().unwrap();
-        recording.push(closed_loop.moment());
+        recording.push(closed_loop.moment()).unwrap();
         let (table, moment) = (recording.into_table(), closed_loop.moment());
         let last = |name: &str| *table.column(name).unwrap().last().unwrap();
         assert_eq!((table.rows(), last("time"), last("controller.goalPose.x")), (2, 0.1, 0.05));

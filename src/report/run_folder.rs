@@ -3,16 +3,18 @@
 //! Whoever runs something writes one (`cable-robot simulate`, `cargo demo`), `cable-robot report` reads it.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Run;
+use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use crate::plan::ControllerParameters;
-use crate::robot::CABLES;
+use crate::robot::parameters::require;
+use crate::robot::{CABLES, ParameterError};
 use crate::sim::PlantParameters;
 
 /// Number of the format that this program writes and reads.
@@ -21,6 +23,8 @@ pub const FORMAT: u32 = 1;
 pub const RUN_CSV: &str = "run.csv";
 /// What was run: a [`RunInfo`].
 pub const RUN_JSON: &str = "run.json";
+/// The report of the run, where `cable-robot report` writes it.
+pub const REPORT_HTML: &str = "report.html";
 
 /// What was run, and with what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,6 +115,16 @@ pub enum RunFolderError {
         /// Its format.
         found: u64,
     },
+    /// `run.json` says what makes no sense.
+    #[error("{}: {table}: {reason}", .path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The part of it.
+        table: &'static str,
+        /// The parameter, its value and what is allowed.
+        reason: ParameterError,
+    },
     /// `run.csv` is not as it should be.
     #[error("{}: {reason}", .path.display())]
     Csv {
@@ -122,17 +136,34 @@ pub enum RunFolderError {
 }
 
 impl RunFolder {
-    /// Writes both files into `folder`, which is made if need be. Each is written whole beside its place and then moved there.
+    /// Writes both files into `folder`, which is made if need be. Each is written whole beside its place; then what is left there of
+    /// another run, its report too, is removed, and both are moved to their places: no folder ever holds files of two runs.
     ///
     /// # Errors
     /// [`RunFolderError::Write`].
     pub fn write(&self, folder: &Path) -> Result<(), RunFolderError> {
+        self.write_watched(folder, || Ok(()))
+    }
+
+    /// As [`write`](Self::write); `row_done` is called after each row and may give the whole up.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Write`]; nothing is left then, and what stood there is untouched.
+    pub fn write_watched(
+        &self,
+        folder: &Path,
+        row_done: impl FnMut() -> io::Result<()>,
+    ) -> Result<(), RunFolderError> {
         make(folder)?;
-        write_whole(&folder.join(RUN_CSV), |file| self.table.write_csv(file).map_err(io::Error::from))?;
-        write_whole(&folder.join(RUN_JSON), |file| {
+        let csv =
+            Part::write(&folder.join(RUN_CSV), |file| Ok(self.table.write_csv_watched(file, row_done)?))?;
+        let json = Part::write(&folder.join(RUN_JSON), |file| {
             serde_json::to_writer_pretty(&mut *file, &self.info)?;
             writeln!(file)
-        })
+        })?;
+        forget(folder)?;
+        csv.settle()?;
+        json.settle()
     }
 
     /// Reads both files.
@@ -140,12 +171,23 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError`] with the file, the place in it and what was expected.
     pub fn read(folder: &Path) -> Result<Self, RunFolderError> {
+        Self::read_through(folder, |file| file)
+    }
+
+    /// As [`read`](Self::read), `run.csv` through a reader of its own.
+    ///
+    /// # Errors
+    /// As of [`read`](Self::read).
+    pub fn read_through<R: Read>(
+        folder: &Path,
+        reader: impl FnOnce(File) -> R,
+    ) -> Result<Self, RunFolderError> {
         let (json, csv) = (folder.join(RUN_JSON), folder.join(RUN_CSV));
-        let text = fs::read_to_string(&json)
-            .map_err(|reason| RunFolderError::Read { path: json.clone(), reason })?;
+        let text = read_text(&json).map_err(|reason| RunFolderError::Read { path: json.clone(), reason })?;
         let info = parse(&text, &json)?;
         let file = File::open(&csv).map_err(|reason| RunFolderError::Read { path: csv.clone(), reason })?;
-        let table = Table::read_csv(file).map_err(|reason| RunFolderError::Csv { path: csv, reason })?;
+        let table =
+            Table::read_csv(reader(file)).map_err(|reason| RunFolderError::Csv { path: csv, reason })?;
         Ok(Self { info, table })
     }
 
@@ -185,50 +227,29 @@ impl RunFolder {
     }
 }
 
-/// Makes the folder and sees whether a file can be written there: to be called before the work.
+/// Makes the folder and sees whether both files can be written there: to be called before the work.
 ///
 /// # Errors
 /// [`RunFolderError::Write`].
 pub fn make(folder: &Path) -> Result<(), RunFolderError> {
     fs::create_dir_all(folder).map_err(|reason| RunFolderError::Write { path: folder.to_owned(), reason })?;
-    tempfile::tempfile_in(folder)
-        .map(drop)
-        .map_err(|reason| RunFolderError::Write { path: folder.to_owned(), reason })
+    [RUN_CSV, RUN_JSON].iter().try_for_each(|name| probe(&folder.join(name)))
 }
 
-/// Writes a file beside its place and moves it there when it is whole. A link leads to the place; what is no file (a device, a pipe) is
-/// written to.
-///
-/// # Errors
-/// [`RunFolderError::Write`]; the file that stood at `path` is then untouched.
-pub fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), RunFolderError> {
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let is_file = fs::metadata(&place).map_or(true, |place| place.is_file());
-    let done = if is_file { write_beside(&place, write) } else { write_to(&place, write).map(drop) };
-    done.map_err(|reason| RunFolderError::Write { path: path.to_owned(), reason })
-}
-
-fn write_beside(place: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let mut part = place.as_os_str().to_owned();
-    part.push(".part");
-    let done = write_to(Path::new(&part), write).and_then(|file| {
-        file.sync_all()?;
-        fs::rename(&part, place)
-    });
-    if done.is_err() {
-        // What is not whole is of no use; that it may not be there at all is no second error.
-        let _ = fs::remove_file(&part);
+/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, and its report.
+fn forget(folder: &Path) -> Result<(), RunFolderError> {
+    if !folder.join(RUN_JSON).is_file() {
+        return Ok(());
     }
-    done
-}
-
-fn write_to(place: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
-    let mut file = BufWriter::new(File::create(place)?);
-    write(&mut file)?;
-    Ok(file.into_inner()?)
+    for path in [REPORT_HTML, RUN_JSON].map(|name| folder.join(name)) {
+        match fs::remove_file(&path) {
+            Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
+                return Err(RunFolderError::Write { path, reason });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// The info, once its format is known to be ours.
@@ -242,7 +263,18 @@ fn parse(text: &str, path: &Path) -> Result<RunInfo, RunFolderError> {
     if format != u64::from(FORMAT) {
         return Err(RunFolderError::Format { path: path.to_owned(), found: format });
     }
-    serde_json::from_str(text).map_err(wrong)
+    let info: RunInfo = serde_json::from_str(text).map_err(wrong)?;
+    let step =
+        require(info.step.is_finite() && info.step > 0.0, "step", info.step, "must be greater than 0 (s)");
+    let checks = [
+        ("run", step),
+        ("controllerParameters", info.controller_parameters.validate()),
+        ("plantParameters", info.plant_parameters.validate()),
+    ];
+    for (table, check) in checks {
+        check.map_err(|reason| RunFolderError::Value { path: path.to_owned(), table, reason })?;
+    }
+    Ok(info)
 }
 
 /// An array of columns, or the first error.
@@ -269,138 +301,4 @@ fn smallest(tension: &[Vec<f64>; CABLES]) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::recording::columns;
-
-    fn run_folder(controller: Model) -> RunFolder {
-        let mut table = Table::new(columns());
-        for k in 0..3 {
-            let values: Vec<_> =
-                (1..table.names().len()).map(|column| f64::from(k) + column as f64).collect();
-            table.push(0.1 * f64::from(k), &values);
-        }
-        let info = RunInfo {
-            format: FORMAT,
-            program_version: "0.1.0".to_owned(),
-            title: "A run".to_owned(),
-            scenario: None,
-            controller,
-            plant: Model::Library,
-            rig: "Table I".to_owned(),
-            step: 0.1,
-            controller_parameters: ControllerParameters::default(),
-            plant_parameters: PlantParameters::default(),
-        };
-        RunFolder { info, table }
-    }
-
-    /// What is said of a folder with one text of one file replaced.
-    fn refusal(file: &str, from: &str, to: &str) -> String {
-        let folder = tempfile::tempdir().unwrap();
-        run_folder(Model::Library).write(folder.path()).unwrap();
-        let path = folder.path().join(file);
-        let text = fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{from} is not in {text}");
-        fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        let refused = RunFolder::read(folder.path()).map_err(|e| e.to_string());
-        let refused = refused.and_then(|read| {
-            read.run().map_err(|reason| RunFolderError::Csv { path: path.clone(), reason }.to_string())
-        });
-        let error = refused.expect_err(to);
-        assert!(error.contains(path.to_str().unwrap()), "{error}");
-        error
-    }
-
-    #[test]
-    fn what_is_written_is_read_back_and_nothing_else_is_left() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("new/run");
-        let fmu = Model::Fmu { path: "a.fmu".into(), name: "A".to_owned(), fmi_version: "3.0".to_owned() };
-        let written = run_folder(fmu);
-        written.write(&path).unwrap();
-        written.write(&path).unwrap();
-        assert_eq!(RunFolder::read(&path).unwrap(), written);
-        let mut files: Vec<_> = fs::read_dir(&path).unwrap().map(|file| file.unwrap().file_name()).collect();
-        files.sort();
-        assert_eq!(files, [RUN_CSV, RUN_JSON]);
-        let run = written.run().unwrap();
-        assert_eq!(run.position[1], written.table.column("plant.encoderPose.y").unwrap());
-        assert_eq!(run.slack[5], written.table.column("plant.slack[6]").unwrap());
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_finished_leaves_the_old_one() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("file");
-        fs::write(&path, "old").unwrap();
-        let half = write_whole(&path, |file| {
-            file.write_all(b"half")?;
-            Err(io::Error::other("the disk is full"))
-        });
-        assert!(half.unwrap_err().to_string().ends_with("file: the disk is full"));
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    fn a_device_is_not_replaced_by_a_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let [device, link] = ["device", "link"].map(|name| folder.path().join(name));
-        std::os::unix::fs::symlink("/dev/full", &device).unwrap();
-        let full = write_whole(&device, |file| file.write_all(b"text")).unwrap_err().to_string();
-        assert!(full.contains("device: No space left"), "{full}");
-        assert!(device.is_symlink() && !fs::metadata(&device).unwrap().is_file());
-        let file = folder.path().join("file");
-        fs::write(&file, "old").unwrap();
-        std::os::unix::fs::symlink(&file, &link).unwrap();
-        write_whole(&link, |file| file.write_all(b"new")).unwrap();
-        assert!(link.is_symlink() && fs::read_to_string(&file).unwrap() == "new");
-    }
-
-    #[test]
-    fn a_folder_that_cannot_be_made_is_named() {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        let error = make(&file.path().join("run")).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("cannot write {}", file.path().display())), "{error}");
-    }
-
-    #[test]
-    fn broken_files_are_named_with_line_and_what_was_expected() {
-        let json = refusal(RUN_JSON, "\"title\": \"A run\",", "\"title\": ,");
-        assert!(json.contains("expected value at line 4 column 12"), "{json}");
-        let json = refusal(RUN_JSON, "\"step\": 0.1,", "");
-        assert!(json.contains("missing field `step` at line"), "{json}");
-        let json = refusal(RUN_JSON, "\"step\": 0.1", "\"step\": \"short\"");
-        assert!(json.contains("expected f64 at line"), "{json}");
-        let format = refusal(RUN_JSON, "\"format\": 1", "\"format\": 2");
-        assert!(format.ends_with("format = 2; this program reads format 1"), "{format}");
-        let csv = refusal(RUN_CSV, "\n0.1,", "\nsoon,");
-        assert!(csv.ends_with("line 3, column 1 (time): \"soon\" is not a finite number"), "{csv}");
-        let csv = refusal(RUN_CSV, "controller.setPoint.y", "setPoint.y");
-        assert!(csv.ends_with("line 1: there is no column \"controller.setPoint.y\""), "{csv}");
-        let missing = RunFolder::read(Path::new("no/such")).unwrap_err().to_string();
-        assert!(missing.starts_with("cannot read no/such/run.json: "), "{missing}");
-    }
-
-    #[test]
-    fn an_fmu_from_elsewhere_may_tell_less() {
-        let fmu = Model::Fmu { path: "a.fmu".into(), name: "A".to_owned(), fmi_version: "3.0".to_owned() };
-        let RunFolder { info, table } = run_folder(fmu);
-        let of_ours = |name: &&String| {
-            !name.starts_with("controller.") || name.contains("motor") || name.contains("goalPose")
-        };
-        let kept: Vec<String> = table.names()[1..].iter().filter(of_ours).cloned().collect();
-        let mut less = Table::new(kept.clone());
-        for row in 0..table.rows() {
-            let values: Vec<_> = kept.iter().map(|name| table.column(name).unwrap()[row]).collect();
-            less.push(table.column("time").unwrap()[row], &values);
-        }
-        let run = RunFolder { info: info.clone(), table: less.clone() }.run().unwrap();
-        assert_eq!(run.set_point[2], table.column("controller.goalPose.z").unwrap());
-        assert_eq!(run.tension_margin, table.column("plant.measuredTension[1]").unwrap());
-        assert_eq!((run.at_goal, run.set_point_index), (vec![0.0; 3], vec![0.0; 3]));
-        let ours = RunFolder { info: RunInfo { controller: Model::Library, ..info }, table: less };
-        assert!(ours.run().is_err(), "ours tells everything");
-    }
-}
+mod tests;

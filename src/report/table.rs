@@ -1,8 +1,11 @@
 //! Columns of numbers with names, and the CSV file they make.
 
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 
 use thiserror::Error;
+
+/// Times are at most this far from 0, s: thirty years.
+const LONGEST: f64 = 1e9;
 
 /// Columns of one length, each with its name; the first is `time` (s).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +59,14 @@ pub enum TableError {
         time: f64,
         /// s.
         before: f64,
+    },
+    /// A time that no run lasts.
+    #[error("line {line}: time = {time:e} is not allowed: it must be from {} to {LONGEST} s", -LONGEST)]
+    Time {
+        /// Line of the file.
+        line: u64,
+        /// s.
+        time: f64,
     },
     /// A header and nothing else.
     #[error("there is no row below the header; a run has at least one")]
@@ -115,10 +126,23 @@ impl Table {
     /// # Errors
     /// What the writer reports.
     pub fn write_csv(&self, writer: impl Write) -> Result<(), csv::Error> {
+        self.write_csv_watched(writer, || Ok(()))
+    }
+
+    /// As [`write_csv`](Self::write_csv); `row_done` is called after each row and may end it.
+    ///
+    /// # Errors
+    /// What the writer or `row_done` reports.
+    pub fn write_csv_watched(
+        &self,
+        writer: impl Write,
+        mut row_done: impl FnMut() -> io::Result<()>,
+    ) -> Result<(), csv::Error> {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(&self.names)?;
         for row in 0..self.rows() {
             csv.serialize(self.columns.iter().map(|column| column[row]).collect::<Vec<_>>())?;
+            row_done()?;
         }
         Ok(csv.flush()?)
     }
@@ -159,6 +183,7 @@ impl Table {
         }
         let time = self.columns[0].last().copied();
         match (before, time) {
+            (_, Some(time)) if time.abs() > LONGEST => Err(TableError::Time { line, time }),
             (Some(before), Some(time)) if time <= before => Err(TableError::Order { line, time, before }),
             _ => Ok(()),
         }
@@ -196,6 +221,11 @@ mod tests {
         assert!(refusal("time,a\n0,NaN\n").starts_with("line 2, column 2 (a): \"NaN\""));
         assert!(refusal("time,a\n0,1\n1\n").contains("line: 3"), "{}", refusal("time,a\n0,1\n1\n"));
         let back = refusal("time\n0\n2\n1\n");
+        let far = refusal("time\n0\n1e305\n");
+        assert!(
+            far.starts_with("line 3: time = 1") && far.ends_with("from -1000000000 to 1000000000 s"),
+            "{far}"
+        );
         assert_eq!(back, "line 4: time = 1 does not come after 2, the time of the row before");
     }
 }

@@ -27,7 +27,8 @@ pub fn drawn_rows(rows: usize, columns: &[&[f64]], also: &[usize]) -> Vec<usize>
 
 /// Without the digits that no screen shows: `steps` of them to the unit.
 pub fn rounded(value: f64, steps: f64) -> f64 {
-    (value * steps).round() / steps
+    let rounded = (value * steps).round() / steps;
+    if rounded.is_finite() { rounded } else { value }
 }
 
 #[cfg(test)]
@@ -44,6 +45,11 @@ mod tests {
             assert!(drawn.contains(&row), "{row}");
         }
         assert!(drawn.len() < EVEN + 3 * GROUPS, "{}", drawn.len());
+    }
+
+    #[test]
+    fn what_is_huge_stays_a_number() {
+        assert_eq!((rounded(0.123_456_7, 1e6), rounded(1e305, 1e6)), (0.123_457, 1e305));
     }
 
     #[test]

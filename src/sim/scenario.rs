@@ -9,7 +9,7 @@ use crate::robot::Pose;
 /// Steps that a simulation may have.
 pub const MOST_STEPS: f64 = 1e6;
 /// What is due at a time is not missed for the rounding of `k * step`, s.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A simulation, before it is run. Times are counted from its start.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,10 +54,23 @@ pub struct Disturbance {
     pub torque: Vector3<f64>,
 }
 
-/// How many steps make the duration (both in s); `None` if none or more than [`MOST_STEPS`].
-pub fn count_steps(duration: f64, step: f64) -> Option<u64> {
+/// How many steps make the duration (both in s).
+///
+/// # Errors
+/// What would be right, where it is none, no whole number, or more than [`MOST_STEPS`].
+pub fn count_steps(duration: f64, step: f64) -> Result<u64, String> {
     let steps = (duration / step).round();
-    (1.0..=MOST_STEPS).contains(&steps).then_some(steps as u64)
+    if !(0.0..=MOST_STEPS).contains(&steps) {
+        return Err(format!("in steps of {step:?} s it must make 1 to {MOST_STEPS} steps"));
+    }
+    if (steps * step - duration).abs() > ROUNDING * duration || steps == 0.0 {
+        let fewer = (duration / step).floor();
+        let instead = [fewer, fewer + 1.0].map(|steps| steps * step);
+        let [less, more] = instead.map(|duration| (duration * 1e9).round() / 1e9);
+        let less = if fewer > 0.0 { format!("{less:?} or ") } else { String::new() };
+        return Err(format!("it must be a whole number of steps of {step:?} s, such as {less}{more:?} s"));
+    }
+    Ok(steps as u64)
 }
 
 impl Scenario {
@@ -121,10 +134,13 @@ mod tests {
 
     #[test]
     fn steps_are_counted_and_limited() {
-        assert_eq!(count_steps(12.0, 1e-3), Some(12_000));
-        assert_eq!(count_steps(0.3, 0.1), Some(3));
+        assert_eq!(count_steps(12.0, 1e-3), Ok(12_000));
+        assert_eq!(count_steps(0.3, 0.1), Ok(3));
+        assert_eq!(count_steps(1000.0, 1e-3), Ok(1_000_000));
         for (duration, step) in [(0.0, 0.1), (1.0, 10.0), (1e9, 0.1), (f64::NAN, 0.1), (1.0, 0.0)] {
-            assert_eq!(count_steps(duration, step), None, "{duration} {step}");
+            assert!(count_steps(duration, step).is_err(), "{duration} {step}");
         }
+        assert!(count_steps(1.0, 0.3).unwrap_err().ends_with("such as 0.9 or 1.2 s"));
+        assert!(count_steps(1.0, 2.0).unwrap_err().ends_with("such as 2.0 s"));
     }
 }

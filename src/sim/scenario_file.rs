@@ -2,6 +2,8 @@
 
 mod fields;
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector3;
 use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{Schema, schema_for};
@@ -10,7 +12,7 @@ use thiserror::Error;
 use toml::Spanned;
 
 use super::PlantParameters;
-use super::scenario::{Disturbance, Goal, MOST_STEPS, Scenario, count_steps};
+use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
 use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
 use crate::reach::in_static_workspace;
 use crate::robot::{Coordinates, ParameterError, Pose};
@@ -72,9 +74,14 @@ impl ScenarioFile {
         &self.file.title
     }
 
-    /// Path of the rig file, relative to the scenario's; `None` for the paper's rig.
-    pub fn rig(&self) -> Option<&str> {
-        self.file.rig.as_deref()
+    /// Line and path of the rig file, the path relative to the scenario's; `None` for the paper's rig.
+    pub fn rig(&self) -> Option<(usize, &str)> {
+        self.file.rig.as_ref().map(|rig| (self.line(rig.span().start), rig.get_ref().as_str()))
+    }
+
+    /// Line of the start; `None` for the rig's home.
+    pub fn start_line(&self) -> Option<usize> {
+        start_of(&self.file.start).map(|offset| self.line(offset))
     }
 
     /// The scenario on the rig of this name and home, whose controller `base` is where the file says nothing else.
@@ -97,7 +104,7 @@ impl ScenarioFile {
             rig: rig.to_owned(),
             controller,
             plant,
-            goals: self.goals(duration)?,
+            goals: self.goals(((duration - step) / ROUNDING).round() * ROUNDING)?,
             disturbances: self.disturbances()?,
             duration,
             step,
@@ -149,10 +156,10 @@ impl ScenarioFile {
         };
         let duration = positive(&self.file.duration, "duration")?;
         let step = self.file.step.as_ref().map_or(Ok(DEFAULT_STEP), |step| positive(step, "step"))?;
-        let allowed = format!("in steps of {step} s it must make 1 to {MOST_STEPS} steps");
-        let ok = count_steps(duration, step).is_some();
-        self.require(ok, &self.file.duration, "duration", duration, &allowed)?;
-        Ok((duration, step))
+        match count_steps(duration, step) {
+            Ok(_) => Ok((duration, step)),
+            Err(right) => Err(self.refusal(self.file.duration.span().start, "duration", duration, &right)),
+        }
     }
 
     fn start(&self, controller: &ControllerParameters, home: Pose) -> Result<Pose, ScenarioFileError> {
@@ -165,13 +172,14 @@ impl ScenarioFile {
         Ok(pose)
     }
 
-    fn goals(&self, duration: f64) -> Result<Vec<Goal>, ScenarioFileError> {
+    /// A goal that comes after the beginning of the last step is never given.
+    fn goals(&self, last: f64) -> Result<Vec<Goal>, ScenarioFileError> {
         let mut goals: Vec<Goal> = vec![];
         for (i, table) in self.file.goals.iter().enumerate() {
             let field = |name: &str| format!("goals[{}].{name}", i + 1);
             let time = *table.time.get_ref();
-            let ok = (0.0..duration).contains(&time);
-            let allowed = format!("must be 0 or greater and less than the duration, {duration} s");
+            let ok = (0.0..=last + ROUNDING).contains(&time);
+            let allowed = format!("must be 0 or greater and at most {last} s, when the last step begins");
             self.require(ok, &table.time, &field("time"), time, &allowed)?;
             let before = goals.last().map_or(f64::NEG_INFINITY, |goal| goal.time);
             let allowed = format!("must come after the goal before it, {before} s");
@@ -213,6 +221,10 @@ impl ScenarioFile {
         let z = numbers[2];
         let allowed = "z points down: a pose below the base has z > 0 (m)";
         self.require(z > 0.0, given, &format!("{field}[3]"), z, allowed)?;
+        for (k, angle) in numbers.iter().enumerate().skip(3) {
+            let allowed = "angles are in radians, at most a turn (6.2832) each way";
+            self.require(angle.abs() <= TAU, given, &format!("{field}[{}]", k + 1), angle, allowed)?;
+        }
         let mut pose = Coordinates::zeros();
         pose.as_mut_slice()[..numbers.len()].copy_from_slice(numbers);
         Ok(Pose(pose))
@@ -242,8 +254,13 @@ impl ScenarioFile {
         if ok { Ok(()) } else { Err(self.refusal(at.span().start, field, value, allowed)) }
     }
 
+    /// Line of a byte of the text.
+    fn line(&self, offset: usize) -> usize {
+        self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
+    }
+
     fn refusal(&self, offset: usize, field: &str, value: impl ToString, allowed: &str) -> ScenarioFileError {
-        let line = self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1;
+        let line = self.line(offset);
         let (field, value, allowed) = (field.to_owned(), value.to_string(), allowed.to_owned());
         ScenarioFileError::Value { line, field, value, allowed }
     }

@@ -1,10 +1,5 @@
 //! Arguments that several commands share.
 
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-
-use anyhow::Result;
 use cable_robot::plan::PlannerKind;
 use cable_robot::robot::{Coordinates, Pose};
 use clap::ValueEnum;
@@ -92,32 +87,5 @@ impl Planner {
             Self::Bounded => PlannerKind::Bounded,
             Self::Exact => PlannerKind::Exact,
         }
-    }
-}
-
-/// A file for a result. Its errors name it.
-pub struct ResultFile {
-    path: PathBuf,
-    file: File,
-}
-
-/// Opens a file for a result, before the work that makes it.
-pub fn create(path: &Path) -> Result<ResultFile> {
-    let file = File::create(path).map_err(|error| unwritten(path, &error))?;
-    Ok(ResultFile { path: path.to_owned(), file })
-}
-
-/// Not of the kind that a closed stdout has, which is no error.
-fn unwritten(path: &Path, error: &io::Error) -> io::Error {
-    io::Error::other(format!("cannot write {}: {error}", path.display()))
-}
-
-impl Write for ResultFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes).map_err(|error| unwritten(&self.path, &error))
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush().map_err(|error| unwritten(&self.path, &error))
     }
 }

@@ -3,7 +3,8 @@
 use std::io::{Write, stdout};
 
 use anyhow::Result;
-use clap::{Args, CommandFactory, ValueEnum};
+use cable_robot::sim::BUNDLED;
+use clap::{Args, Command, CommandFactory, ValueEnum, ValueHint};
 use clap_complete::{Generator, shells};
 
 use crate::{Arguments, Outcome};
@@ -30,17 +31,48 @@ impl Completions {
     pub fn run(&self) -> Result<Outcome> {
         let script = match self.shell {
             // clap_complete spells a name with a hyphen in two ways (clap-rs/clap issue 6421), so that no option is found.
-            Shell::Bash => script(shells::Bash).replace("cable__subcmd__robot", "cable__robot"),
-            Shell::Zsh => script(shells::Zsh),
-            Shell::Fish => script(shells::Fish),
+            Shell::Bash => {
+                script(shells::Bash, with_scenarios()).replace("cable__subcmd__robot", "cable__robot")
+            }
+            // In zsh names would stand in place of files.
+            Shell::Zsh => script(shells::Zsh, Arguments::command()),
+            Shell::Fish => script(shells::Fish, with_scenarios()) + &fish_values(&with_scenarios()),
         };
         stdout().write_all(script.as_bytes())?;
         Ok(Outcome::Done)
     }
 }
 
-fn script(shell: impl Generator) -> String {
+fn script(shell: impl Generator, mut command: Command) -> String {
     let mut script = vec![];
-    clap_complete::generate(shell, &mut Arguments::command(), "cable-robot", &mut script);
+    clap_complete::generate(shell, &mut command, "cable-robot", &mut script);
     String::from_utf8_lossy(&script).into_owned()
+}
+
+/// The command, `simulate` with the names of the bundled scenarios. It takes files as well, which shells offer where no name fits.
+fn with_scenarios() -> Command {
+    let names = BUNDLED.map(|(name, _)| name);
+    Arguments::command().mut_subcommand("simulate", |simulate| {
+        simulate.mut_arg("scenario", |scenario| scenario.value_parser(names))
+    })
+}
+
+/// What clap_complete leaves out for fish: the values of arguments that are no options, with files where these are meant too.
+fn fish_values(command: &Command) -> String {
+    let mut lines = String::new();
+    for task in command.get_subcommands() {
+        let name = task.get_name();
+        for argument in task.get_positionals() {
+            let values: Vec<_> =
+                argument.get_possible_values().iter().map(|v| v.get_name().to_owned()).collect();
+            if !values.is_empty() {
+                let files = if argument.get_value_hint() == ValueHint::FilePath { "" } else { " -f" };
+                lines += &format!(
+                    "complete -c cable-robot -n \"__fish_cable_robot_using_subcommand {name}\"{files} -a \"{}\"\n",
+                    values.join(" ")
+                );
+            }
+        }
+    }
+    lines
 }

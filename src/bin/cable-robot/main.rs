@@ -6,6 +6,7 @@ mod completions;
 mod figure;
 mod picture;
 mod plan;
+mod progress;
 mod reach;
 mod report;
 mod rig;
@@ -27,6 +28,9 @@ Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong u
 
 /// Exit code after Ctrl-C, as shells have it.
 const INTERRUPTED: u8 = 130;
+
+/// Longest line of an error, characters.
+const LONGEST_LINE: usize = 500;
 
 /// Cable robot that never lets a cable go slack: static workspace, reachable domains, plans, simulations
 #[derive(Parser)]
@@ -97,10 +101,19 @@ fn main() -> ExitCode {
         Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("cable-robot: {error:#}");
+            eprintln!("cable-robot: {}", with_short_lines(&format!("{error:#}")));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Without the rest of lines that nobody reads: TOML's errors show the line of the file, which may be all of it.
+fn with_short_lines(text: &str) -> String {
+    let short = |line: &str| match line.char_indices().nth(LONGEST_LINE) {
+        Some((end, _)) => format!("{}...", line[..end].trim_end()),
+        None => line.to_owned(),
+    };
+    text.lines().map(short).collect::<Vec<_>>().join("\n")
 }
 
 /// Whoever reads has seen enough.

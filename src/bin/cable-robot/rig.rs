@@ -1,44 +1,80 @@
 //! The rig that a command is about.
 
-use std::fs;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::report::files::read_text;
 use cable_robot::robot::dynamics::static_tensions;
-use cable_robot::robot::{Geometry, Pose, RigFile};
-
+use cable_robot::robot::{Geometry, ParameterError, Pose, RigFile};
 use clap::{Args, ValueHint};
+use serde::Deserialize;
+use toml::Spanned;
 
 use crate::number;
 
 #[derive(Args)]
 pub struct RigArgument {
     /// Rig file (TOML, see docs/rigs.md); without it the paper's rig, Table I
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    rig: Option<PathBuf>,
+    #[arg(long = "rig", id = "rig", value_name = "FILE", value_hint = ValueHint::FilePath)]
+    path: Option<PathBuf>,
 }
 
 impl RigArgument {
     /// Reads the file.
     pub fn read(&self) -> Result<RigFile> {
-        self.rig.as_deref().map_or_else(|| Ok(RigFile::default()), read)
+        self.path.as_deref().map_or_else(|| Ok(RigFile::default()), read)
     }
 
     /// The controller for the rig, which must have the shape of the paper's.
     pub fn controller(&self, planner: PlannerKind) -> Result<ControllerParameters> {
-        controller(&self.read()?, planner)
+        match &self.path {
+            Some(path) => Ok(read_with_controller(path, planner)?.1),
+            None => controller(&RigFile::default(), planner),
+        }
+    }
+
+    /// What a user calls the rig's home.
+    pub fn name_of_home(&self) -> String {
+        self.path.as_ref().map_or("home".to_owned(), |path| format!("{}: home", path.display()))
     }
 }
 
 /// Reads a rig file.
 pub fn read(path: &Path) -> Result<RigFile> {
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    RigFile::parse(&text).with_context(|| format!("{}", path.display()))
+    let text = read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
+    RigFile::parse(&text).with_context(|| path.display().to_string())
+}
+
+/// Reads a rig file and makes the controller for the rig; what is refused is named with its file, a gain with its line.
+pub fn read_with_controller(path: &Path, planner: PlannerKind) -> Result<(RigFile, ControllerParameters)> {
+    let file = read(path)?;
+    let made = controller(&file, planner).map_err(|refused| at_its_line(path, refused));
+    let controller = made.with_context(|| path.display().to_string())?;
+    Ok((file, controller))
+}
+
+/// A refused gain with its line. A rig file may hold any; the controller cannot do with any.
+fn at_its_line(path: &Path, refused: Error) -> Error {
+    #[derive(Deserialize)]
+    struct File {
+        gains: HashMap<String, Spanned<f64>>,
+    }
+    let line = |name: &str| {
+        let text = read_text(path).ok()?;
+        let at = toml::from_str::<File>(&text).ok()?.gains.get(name)?.span().start;
+        Some(text[..at].matches('\n').count() + 1)
+    };
+    let Some(ParameterError { name, value, allowed }) = refused.downcast_ref() else { return refused };
+    match line(name) {
+        Some(line) => anyhow!("line {line}: gains.{name} = {value} is not allowed: {allowed}"),
+        None => refused,
+    }
 }
 
 /// The controller for a rig, which must have the shape of the paper's.
-pub fn controller(file: &RigFile, planner: PlannerKind) -> Result<ControllerParameters> {
+fn controller(file: &RigFile, planner: PlannerKind) -> Result<ControllerParameters> {
     let RigFile { rig, lambda, eta, .. } = file;
     let Some(robot) = rig.as_triangular() else {
         bail!(

@@ -7,18 +7,20 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use cable_robot::reach::static_region::{Grid, corners};
 use cable_robot::reach::{Slice, SolverError};
+use cable_robot::report::files::{probe, write_whole};
 use cable_robot::robot::RigFile;
 use clap::Args;
-use indicatif::ProgressBar;
 use nalgebra::{Vector2, Vector3};
 use serde_json::json;
 
-use crate::arguments::{angles, create, finite};
+use crate::arguments::{angles, finite};
+use crate::progress::Progress;
 use crate::rig::RigArgument;
 use crate::{Outcome, metres, number, picture, print, print_json};
 
 pub const EXAMPLE: &str = "\
-Example: cable-robot workspace --rig rigs/eight.toml --height 2 --svg workspace.svg";
+Example: cable-robot workspace --height 0.7 --svg workspace.svg
+With a rig file, here one that comes with the project: cable-robot workspace --rig rigs/eight.toml --height 2";
 
 /// Points of the grid along x and along y.
 const GRID: usize = 61;
@@ -77,13 +79,13 @@ impl Workspace {
             number(height),
             number(highest.round())
         );
-        let svg = self.svg.as_deref().map(create).transpose()?;
-        // Shown on a terminal only.
-        let bar = ProgressBar::new(2 * GRID as u64);
-        let found = find(&slice, &file, || bar.inc(1))?;
-        bar.finish_and_clear();
-        if let Some(mut svg) = svg {
-            svg.write_all(picture::svg(&slice, found.as_ref()).as_bytes())?;
+        self.svg.as_deref().map_or(Ok(()), probe)?;
+        let progress = Progress::new("looking", 2 * GRID as u64);
+        let found = find(&slice, &file, || progress.done(1))?;
+        drop(progress);
+        if let Some(path) = &self.svg {
+            let svg = picture::svg(&slice, found.as_ref());
+            write_whole(path, |file| file.write_all(svg.as_bytes()))?;
         }
         if self.json {
             print_json(&as_json(&slice, found.as_ref()))?;

@@ -11,7 +11,7 @@ function chart(box, run, { label, height, range, lines, limits = [], last, scrub
   const ends = [time[0], time.at(-1) > time[0] ? time.at(-1) : time[0] + 1];
   const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
   const plot = new uPlot({
-    width: Math.max(200, box.clientWidth), height, padding: [8, 26, last ? 0 : 6, 0], cursor: { show: false }, select: { show: false },
+    width: Math.max(200, box.clientWidth), height, padding: [limits.some((value) => value > range[1]) ? 18 : 8, 26, last ? 0 : 6, 0], cursor: { show: false }, select: { show: false },
     legend: { show: false }, focus: { alpha: 0.16 },
     scales: { x: { time: false, range: () => ends }, y: { range: () => range } },
     axes: [
@@ -63,6 +63,7 @@ function slackSpans(u, run) {
 
 function limitLine(u, value) {
   const y = u.valToPos(value, "y", true), { left, top, width, height } = u.bbox;
+  if (y < top - 1) limitNote(u, value);
   if (y < top - 1 || y > top + height + 1) return;
   u.ctx.save();
   u.ctx.strokeStyle = colour("--slack");
@@ -72,6 +73,18 @@ function limitLine(u, value) {
   u.ctx.moveTo(left, y);
   u.ctx.lineTo(left + width, y);
   u.ctx.stroke();
+  u.ctx.restore();
+}
+
+/** A limit above the axis, told over its top rather than drawn: the curves would be flat. */
+function limitNote(u, value) {
+  const { left, top, width } = u.bbox;
+  u.ctx.save();
+  u.ctx.fillStyle = colour("--slack");
+  u.ctx.font = `${11.5 * devicePixelRatio}px system-ui, sans-serif`;
+  u.ctx.textAlign = "right";
+  u.ctx.textBaseline = "bottom";
+  u.ctx.fillText(`limit ${value} N ↑`, left + width, top - 3 * devicePixelRatio);
   u.ctx.restore();
 }
 

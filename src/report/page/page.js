@@ -135,31 +135,36 @@ function alone(cable) {
 
 // ---- values at the cursor
 
+function slackCables(row) {
+  const slack = CABLES.filter((i) => isSlack(run, row, i)).map((i) => i + 1);
+  return slack.length ? `<span class="bad">slack: cable ${slack.join(", ")}</span>` : "all cables taut";
+}
+
 function describeRobot(row) {
-  const slack = CABLES.filter((i) => (rows.slack[row] >> i) & 1).map((i) => i + 1);
   const at = COORDINATES.map((_, k) => metres(rows.pose[k][row])).join(", ");
   const turned = rows.pose.slice(3).map((column) => column[row]);
   const angles = turned.some((angle) => Math.abs(angle) > 1e-3) ? `, turned ${degrees(turned)}` : "";
-  const state = rows.status ? run.statuses[rows.status[row]] ?? "" : "";
-  const cables = slack.length ? `<span class="bad">slack: cable ${slack.join(", ")}</span>` : "all cables taut";
-  byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${activeAt(run.setPoints, row)} of ${run.setPoints.length - 1}${state && ` · ${state}`} · ${cables}`;
+  const state = rows.status ? run.statuses[rows.status[row] - 1] ?? "" : "";
+  byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${run.setPoints[activeAt(run.setPoints, row)].number} of ${run.lastSetPoint}${state && ` · ${state}`} · ${slackCables(row)}`;
 }
 
+/** What p says of the cables: of facets at zero orientation only, and that a cable would have to push only where it is slack. */
 function describeP(row) {
   const near = nearestFacet(run, row);
   if (!near) { byId("plane-now").textContent = "No p here: the law is idle, or asks the cables for a force that points down."; return; }
-  const [x, y] = near.p.map(metres), gap = (Math.abs(near.distance) * 1000).toFixed(1);
-  const where = near.distance > 0
-    ? `${gap} mm inside facet ${near.cable + 1}, the nearest`
-    : `<span class="bad">${gap} mm beyond facet ${near.cable + 1}: cable ${near.cable + 1} would have to push</span>`;
-  const turned = rows.pose.slice(3).some((column) => Math.abs(column[row]) > 0.01);
-  byId("plane-now").innerHTML = `<b>p = (${x}, ${y}) m</b> · ${where}${turned ? " <small>(turned: the facets are those of zero orientation)</small>" : ""}`;
+  const [x, y] = near.p.map(metres), gap = (Math.abs(near.distance) * 1000).toFixed(1), cable = near.cable + 1;
+  const where = near.turned
+    ? `${slackCables(row)} <small>(turned: the facets are those of zero orientation and tell nothing here)</small>`
+    : near.distance > 0 ? `${gap} mm inside facet ${cable}, the nearest`
+      : near.slack ? `<span class="bad">${gap} mm beyond facet ${cable}: cable ${cable} would have to push</span>`
+        : `${gap} mm beyond facet ${cable}; cable ${cable} still pulls`;
+  byId("plane-now").innerHTML = `<b>p = (${x}, ${y}) m</b> · ${where}`;
 }
 
 function describeTensions(row) {
   for (const i of CABLES) {
     cells.measured[i].textContent = newtons(rows.tension[i][row]);
-    cells.measured[i].className = (rows.slack[row] >> i) & 1 ? "bad" : "";
+    cells.measured[i].className = isSlack(run, row, i) ? "bad" : "";
     cells.predicted[i].textContent = newtons(rows.predicted ? rows.predicted[i][row] : null);
     cells.predicted[i].className = rows.predicted && rows.predicted[i][row] < 0 ? "bad" : "";
   }
@@ -174,13 +179,13 @@ let row = -1;
 function show(to) {
   if (to === row) return;
   row = to;
-  const time = rows.time[row], active = activeAt(run.setPoints, row);
+  const time = rows.time[row], active = run.setPoints[activeAt(run.setPoints, row)].number;
   for (const panel of [robot, view, ...positions, tension, margin]) panel.show(row);
   describeRobot(row);
   describeP(row);
   describeTensions(row);
   listed.forEach((line, i) => line.classList.toggle("active", i === active));
-  list.scrollTop = listed[active].offsetTop - list.clientHeight / 2;
+  if (listed[active]) list.scrollTop = listed[active].offsetTop - list.clientHeight / 2;
   slider.value = time;
   slider.setAttribute("aria-valuetext", `${time.toFixed(3)} seconds, smallest tension ${newtons(smallest[row])} newtons`);
   byId("clock").innerHTML = `<b>${time.toFixed(3)}</b> s <span>of ${rows.time.at(-1).toFixed(2)} s</span>`;
@@ -246,7 +251,7 @@ document.addEventListener("keydown", (event) => {
   keys[key]();
 });
 
-for (const { row: at } of run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
+for (const { row: at } of run.manySetPoints ? [] : run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
 for (const [from, to] of run.slackSpans) mark("slack-span", from, to);
 function mark(kind, from, to) {
   const share = (time) => (100 * (time - start)) / (Number(slider.max) - start);

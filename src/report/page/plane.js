@@ -38,18 +38,24 @@ function plane(box, run) {
       shape(svg, "text", { class: "soft", x: x + 15 * n[0], y: y - 13 * n[1], "text-anchor": "middle", dy: "0.35em" }, i + 1);
     });
     parts.goal = shape(svg, "path", { class: "goal-mark" });
-    parts.goalName = shape(svg, "text", {}, "goal");
-    setPoints(svg);
+    parts.goalName = shape(svg, "text", { "text-anchor": "middle" }, "goal");
+    parts.dots = run.manySetPoints ? setPointLine(svg) : setPointDots(svg);
     parts.centre = shape(svg, "circle", { class: "centre", r: 5 });
     parts.p = shape(svg, "circle", { class: "p", r: 5.5 });
     parts.pName = shape(svg, "text", { class: "strong" }, "p");
     move();
   }
 
+  /** A line through all of them, and one dot at the active one. */
+  function setPointLine(svg) {
+    shape(svg, "path", { class: "set-point-line", d: pathOf(run.setPoints.map((s) => at(s.pose))) });
+    return [shape(svg, "circle", { class: "set-point-dot active", r: 3.5 })];
+  }
+
   /** Dots with numbers; a number that would stand on another one is left out. */
-  function setPoints(svg) {
+  function setPointDots(svg) {
     const written = [];
-    parts.dots = run.setPoints.map((s, i) => {
+    return run.setPoints.map((s, i) => {
       const [cx, cy] = at(s.pose);
       const label = [cx + (i % 2 ? 9 : -9), cy + (i % 2 ? 13 : -9)];
       if (written.every((w) => Math.hypot(w[0] - label[0], w[1] - label[1]) > 13)) {
@@ -78,12 +84,17 @@ function plane(box, run) {
       if (!domain) return;
       set(domain, { class: i === active ? "domain active" : "domain", visibility: i === active || parts.domains.length <= MANY ? "visible" : "hidden" });
     });
-    parts.dots.forEach((dot, i) => set(dot, { class: i === active ? "set-point-dot active" : "set-point-dot" }));
+    if (run.manySetPoints) {
+      const [cx, cy] = at(run.setPoints[active].pose);
+      set(parts.dots[0], { cx, cy });
+    } else {
+      parts.dots.forEach((dot, i) => set(dot, { class: i === active ? "set-point-dot active" : "set-point-dot" }));
+    }
     set(parts.centre, { cx: centre[0], cy: centre[1] });
     set(parts.path, { d: pathOf([...parts.thin.filter((k) => k < row), row].map((k) => at([rows.pose[0][k], rows.pose[1][k]]))) });
     const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
     set(parts.goal, { d: `M${gx - 7} ${gy - 7}l14 14m0 -14l-14 14` });
-    set(parts.goalName, { x: gx + 11, y: gy - 9 });
+    set(parts.goalName, { x: gx, y: Math.min(gy + 31, box.clientHeight - 6) });
     const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null);
     set(parts.pTrail, { d: pathOf(past.map((k) => at([rows.p[0][k], rows.p[1][k]]))) });
     moveP();
@@ -91,27 +102,42 @@ function plane(box, run) {
 
   function moveP() {
     const near = nearestFacet(run, row);
-    for (const name of ["p", "pName", "facet", "reach"]) set(parts[name], { visibility: near ? "visible" : "hidden" });
+    for (const name of ["p", "pName"]) set(parts[name], { visibility: near ? "visible" : "hidden" });
+    for (const name of ["facet", "reach"]) set(parts[name], { visibility: near && !near.turned ? "visible" : "hidden" });
     if (!near) return;
     const [x, y] = at(near.p), n = run.normals[near.cable];
     set(parts.p, { cx: x, cy: y });
-    const atEdge = x > box.clientWidth - 24;
-    set(parts.pName, { x: atEdge ? x - 9 : x + 9, y: y - 8, "text-anchor": atEdge ? "end" : "start" });
+    nameP(x, y);
     const side = run.facets[near.cable];
-    set(parts.facet, { d: pathOf(side.map(at)), class: near.distance > 0 ? "facet" : "facet crossed" });
+    set(parts.facet, { d: pathOf(side.map(at)), class: near.distance <= 0 && near.slack ? "facet crossed" : "facet" });
     const foot = [near.p[0] + n[0] * near.distance, near.p[1] + n[1] * near.distance];
     set(parts.reach, { d: pathOf([[x, y], at(foot)]) });
+  }
+
+  /** Beside p: the first place within the picture and clear of the goal's name. */
+  function nameP(x, y) {
+    const name = { x: Number(parts.goalName.getAttribute("x")), y: Number(parts.goalName.getAttribute("y")) };
+    const isFree = ([dx, dy]) => x + 2 * dx < box.clientWidth && (Math.abs(x + 1.5 * dx - name.x) > 22 || Math.abs(y + dy - name.y) > 18);
+    const [dx, dy] = [[9, -8], [9, 18], [-9, -8], [-9, 18]].find(isFree) ?? [-9, -8];
+    set(parts.pName, { x: x + dx, y: y + dy, "text-anchor": dx > 0 ? "start" : "end" });
   }
 
   canvas(box, draw);
   return { show(to) { row = to; if (parts) move(); } };
 }
 
-/** p, the facet it is nearest to (or farthest beyond) and how far inside it is, m; null where there is no p. */
+/** Turned by more than this, rad, the platform's facets are somewhere else. */
+const LEVEL = 0.01;
+
+/**
+ * p, the facet it is nearest to (or farthest beyond), how far inside it is, m, whether that facet's cable is slack and whether the
+ * platform is turned, so that the facets do not tell; null where there is no p.
+ */
 function nearestFacet(run, row) {
   const p = run.rows.p.map((column) => column[row]);
   if (p[0] === null) return null;
   const distances = run.normals.map((n) => run.apothem - n[0] * p[0] - n[1] * p[1]);
-  const distance = Math.min(...distances);
-  return { p, cable: distances.indexOf(distance), distance };
+  const distance = Math.min(...distances), cable = distances.indexOf(distance);
+  const turned = run.rows.pose.slice(3).some((column) => Math.abs(column[row]) > LEVEL);
+  return { p, cable, distance, turned, slack: isSlack(run, row, cable) };
 }

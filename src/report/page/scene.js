@@ -36,6 +36,11 @@ function activeAt(list, row) {
   return k;
 }
 
+/** Whether cable `i`, from 0, is slack. */
+function isSlack(run, row, i) {
+  return ((run.rows.slack[row] >> i) & 1) === 1;
+}
+
 /** The platform's frame in that of the base: R = Rz(yaw) Ry(pitch) Rx(roll). */
 function place(pose, [x, y, z]) {
   const [sr, sp, sw] = pose.slice(3).map(Math.sin), [cr, cp, cw] = pose.slice(3).map(Math.cos);
@@ -121,12 +126,12 @@ function scene(box, run) {
     set(parts.p, { cx: p[0] ?? 0, cy: p[1] ?? 0, visibility: px === null ? "hidden" : "visible" });
     parts.cables.forEach((cable, i) => {
       const [from, to] = [project(run.anchors[i]), project(place(pose, run.attachments[i]))];
-      const isSlack = (rows.slack[row] >> i) & 1, share = Math.max(0, rows.tension[i][row] / run.tensionTop);
-      set(cable, { d: pathOf([from, to]), class: isSlack ? "slack" : "cable" });
-      cable.style.stroke = isSlack ? "" : `color-mix(in oklch increasing hue, var(--low) ${(100 - 100 * share).toFixed(1)}%, var(--high))`;
-      cable.style.strokeWidth = isSlack ? "" : (1.4 + 3.2 * share).toFixed(2);
+      const slack = isSlack(run, row, i), share = Math.max(0, rows.tension[i][row] / run.tensionTop);
+      set(cable, { d: pathOf([from, to]), class: slack ? "slack" : "cable" });
+      cable.style.stroke = slack ? "" : `color-mix(in oklch increasing hue, var(--low) ${(100 - 100 * share).toFixed(1)}%, var(--high))`;
+      cable.style.strokeWidth = slack ? "" : (1.4 + 3.2 * share).toFixed(2);
       set(parts.numbers[i], { x: 0.55 * from[0] + 0.45 * to[0], y: 0.55 * from[1] + 0.45 * to[1] });
-      parts.numbers[i].style.fill = isSlack ? "var(--slack)" : "";
+      parts.numbers[i].style.fill = slack ? "var(--slack)" : "";
     });
   }
 

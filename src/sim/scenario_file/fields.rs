@@ -13,11 +13,11 @@ pub struct File {
     pub title: String,
     /// Path of a rig file, relative to this file; the paper's rig if left out.
     #[schemars(with = "String", default)]
-    pub rig: Option<String>,
+    pub rig: Option<Spanned<String>>,
     /// Pose at which the platform hangs at rest: x, y, z (m), or with roll, pitch, yaw (rad); the rig's home if left out.
     #[schemars(with = "Vec<f64>", default, length(min = 3, max = 6))]
     pub start: Option<Spanned<Vec<f64>>>,
-    /// Simulated time, s: greater than 0.
+    /// Simulated time, s: greater than 0, a whole number of steps.
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     pub duration: Spanned<f64>,
     /// Time between two steps of the controller, s: greater than 0.
@@ -41,7 +41,7 @@ pub struct File {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Goal {
-    /// When it is given, s: 0 or greater, less than the duration.
+    /// When it is given, s: 0 or greater, not after the last step begins.
     #[schemars(with = "f64", extend("minimum" = 0))]
     pub time: Spanned<f64>,
     /// x, y, z (m), or with roll, pitch, yaw (rad).

@@ -90,7 +90,7 @@ fn every_field_is_read() {
     let pulse = Disturbance { from: 1.0, until: 2.0, force, torque: Vector3::zeros() };
     let step = Disturbance { from: 2.0, until: f64::INFINITY, force: Vector3::zeros(), torque };
     assert_eq!(found.disturbances, [pulse, step]);
-    assert_eq!(ScenarioFile::parse(FULL).unwrap().rig(), Some("my.toml"));
+    assert_eq!(ScenarioFile::parse(FULL).unwrap().rig(), Some((2, "my.toml")));
 }
 
 #[test]
@@ -139,6 +139,16 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
             "duration = 0 is not allowed: must be finite and greater",
         ),
         ("duration = 3", "duration = inf", "duration", "duration = inf"),
+        ("duration = 3", "duration = 0.005", "duration", "a whole number of steps of 0.01 s, such as 0.01 s"),
+        ("duration = 3", "duration = 2.995", "duration", "such as 2.99 or 3.0 s"),
+        ("time = 1.0", "time = 2.995", "time = 1.0", "at most 2.99 s, when the last step begins"),
+        (
+            "0.0, 0.0, 0.2]",
+            "0.0, 0.0, 90]",
+            "pose = [0.0",
+            "goals[2].pose[6] = 90 is not allowed: angles are in radians",
+        ),
+        ("0.0, 0.0, 0.1]\nduration", "-7.0, 0.0, 0.1]\nduration", "start", "start[4] = -7"),
         ("duration = 3", "duration = 1e6", "duration", "in steps of 0.01 s it must make 1 to 1000000 steps"),
         ("step = 0.01", "step = nan", "step", "step = NaN"),
         ("start = [0.01", "start = [0.4", "start", "outside the static workspace"),
@@ -153,7 +163,7 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
             "time = 0.5",
             "time = 3",
             "time = 0.5",
-            "goals[1].time = 3 is not allowed: must be 0 or greater and less",
+            "goals[1].time = 3 is not allowed: must be 0 or greater and at most",
         ),
         ("time = 1.0", "time = 0.5", "time = 1.0", "goals[2].time = 0.5 is not allowed: must come after"),
         (

@@ -9,13 +9,15 @@ mod response;
 mod run;
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use cable_robot::report::files::{Part, probe};
 use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
 
-use crate::arguments::create;
-use crate::{Outcome, print};
+use crate::{Outcome, print, print_json};
 use chart::Chart;
 
 pub const EXAMPLE: &str = "\
@@ -31,6 +33,9 @@ pub struct Figure {
     /// Folder to write into, made if it does not exist
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     output: PathBuf,
+    /// Prints the files and what the figures show for machines
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -70,31 +75,54 @@ impl Figure {
     pub fn run(&self) -> Result<Outcome> {
         fs::create_dir_all(&self.output)
             .with_context(|| format!("cannot make the folder {}", self.output.display()))?;
-        for which in Which::value_variants().iter().filter(|which| **which != Which::All) {
-            if self.which == Which::All || self.which == *which {
-                self.write(*which)?;
-            }
+        let is_meant = |which: &&Which| match self.which {
+            Which::All => **which != Which::All,
+            one => **which == one,
+        };
+        let meant: Vec<_> = Which::value_variants().iter().filter(is_meant).collect();
+        meant.iter().flat_map(|which| self.paths(**which)).try_for_each(|path| probe(&path))?;
+        let mut written = vec![];
+        for which in meant {
+            written.push(self.write(*which)?);
+        }
+        if self.json {
+            print_json(&json!({ "figures": written }))?;
         }
         Ok(Outcome::Done)
     }
 
-    /// Each file is written whole beside its place, which is tried before the work begins, and then moved there.
-    fn write(&self, which: Which) -> Result<()> {
-        let value = which.to_possible_value().context("a figure without a number")?;
-        let path = |ending: &str| self.output.join(format!("figure-{}.{ending}", value.get_name()));
-        let part = path("part");
-        create(&part)?;
-        let made = make(which)?;
+    /// CSV, PNG and SVG of a figure.
+    fn paths(&self, which: Which) -> [PathBuf; 3] {
+        let name = which.number();
+        ["csv", "png", "svg"].map(|ending| self.output.join(format!("figure-{name}.{ending}")))
+    }
+
+    /// Writes the files whole beside their places and moves them there.
+    fn write(&self, which: Which) -> Result<Value> {
+        let Made { chart, findings } = make(which)?;
         let mut csv = vec![];
-        made.chart.write_csv(&mut csv)?;
-        let svg = draw::svg(&made.chart)?;
+        chart.write_csv(&mut csv)?;
+        let svg = draw::svg(&chart)?;
         let png = draw::png(&svg)?;
-        for (ending, content) in [("csv", csv), ("png", png), ("svg", svg.into_bytes())] {
-            let moved = fs::write(&part, content).and_then(|()| fs::rename(&part, path(ending)));
-            moved.with_context(|| format!("cannot write {}", path(ending).display()))?;
+        let paths = self.paths(which);
+        let mut parts = vec![];
+        for (path, content) in paths.iter().zip([csv, png, svg.into_bytes()]) {
+            parts.push(Part::write(path, |file| file.write_all(&content))?);
         }
-        let findings: String = made.findings.iter().map(|line| format!("  {line}\n")).collect();
-        print(&format!("figure {}: {}\n{findings}", value.get_name(), path("svg").display()))
+        parts.into_iter().try_for_each(Part::settle)?;
+        let [csv, png, svg] = &paths;
+        if !self.json {
+            let lines: String = findings.iter().map(|line| format!("  {line}\n")).collect();
+            print(&format!("figure {}: {}\n{lines}", which.number(), svg.display()))?;
+        }
+        Ok(json!({ "figure": which.number(), "svg": svg, "png": png, "csv": csv, "findings": findings }))
+    }
+}
+
+impl Which {
+    /// As the paper and the command line call it.
+    fn number(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 

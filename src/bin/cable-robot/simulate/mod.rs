@@ -1,14 +1,13 @@
 //! `cable-robot simulate`: a scenario, run.
 
 mod fmu_model;
+mod interruption;
 pub mod source;
 mod summary;
 
-use std::io::{Write, stdout};
+use std::fs;
+use std::io::{IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 use anyhow::{Context, Error, Result, bail, ensure};
 use cable_robot::fmi::Model;
@@ -17,15 +16,16 @@ use cable_robot::report::Recording;
 use cable_robot::report::run_folder::{self, FORMAT, RunFolder, RunInfo};
 use cable_robot::robot::Pose;
 use cable_robot::sim::closed_loop::{library_controller, library_plant};
-use cable_robot::sim::scenario::{MOST_STEPS, count_steps};
+use cable_robot::sim::scenario::count_steps;
 use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use self::fmu_model::FmuModel;
+use self::interruption::Interruption;
 use self::summary::Summary;
 use crate::arguments::{Planner, pose, seconds};
+use crate::progress::Progress;
 use crate::rig::{RigArgument, require_rest};
 use crate::{Outcome, is_closed_pipe, print, print_json};
 
@@ -34,9 +34,6 @@ Example: cable-robot simulate paper --output run
          cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
 Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
 GoalUnreachable or SensorFault, 130 interrupted; what was recorded until then is written.";
-
-/// A simulation that lasts longer shows how far it is.
-const PATIENCE: Duration = Duration::from_secs(1);
 
 #[derive(Args)]
 pub struct Simulate {
@@ -97,42 +94,62 @@ impl Simulate {
             return Ok(Outcome::Done);
         }
         let scenario = self.scenario()?;
-        let name = if self.from.is_some() { "--from" } else { "start" };
-        require_rest(&scenario.controller, name, &scenario.plant.initial_pose)?;
-        if let Some(folder) = &self.output {
-            prepare(folder)?;
-        }
         let models = self.models(&scenario)?;
         let info = self.info(&scenario, &models);
         let lacking = models.lacking.clone();
-        let (mut recording, stop) = (Recording::new(), interruption()?);
-        let end = simulate(&scenario, models, &mut recording, &stop);
+        let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
+        self.output.as_deref().map_or(Ok(()), prepare)?;
+        let (mut recording, interruption) = (Recording::new(), Interruption::listen()?);
+        let end = simulate(&scenario, models, &mut recording, &interruption);
 
         let mut table = recording.into_table();
         if table.rows() == 0 {
-            return end.map(|()| Outcome::Done);
+            // A folder that was made for nothing; were it no longer empty, it would stay.
+            let _ = self.output.as_ref().filter(|_| !was_there).map(fs::remove_dir);
+            return end.map(|_| Outcome::Done);
         }
         table.drop_columns(&lacking);
         let recorded = RunFolder { info, table };
         // What went well until a failure is worth keeping.
-        match &self.output {
-            Some(folder) => recorded.write(folder)?,
-            None if self.json => {}
-            None => match recorded.table.write_csv(stdout().lock()).map_err(Error::from) {
-                Err(error) if is_closed_pipe(&error) => {}
-                written => written.context("cannot write to stdout")?,
-            },
+        let written = self.write(&recorded, &interruption);
+        if interruption.gives_up() && written.is_err() {
+            eprintln!("interrupted: nothing was written");
+            return Ok(Outcome::Interrupted);
         }
+        written?;
         let status = self.tell(&scenario, &recorded)?;
-        end?;
-        Ok(match status {
-            _ if stop.load(Ordering::Relaxed) => {
+        Ok(match (end?, status) {
+            (End::Interrupted, _) => {
                 eprintln!("interrupted: {:?} s were to be simulated", scenario.duration);
                 Outcome::Interrupted
             }
-            Some(Status::GoalUnreachable | Status::SensorFault) => Outcome::NotReachable,
-            _ => Outcome::Done,
+            (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault)) => Outcome::NotReachable,
+            (End::Whole, _) => Outcome::Done,
         })
+    }
+
+    /// The run folder, or the CSV to stdout.
+    fn write(&self, recorded: &RunFolder, interruption: &Interruption) -> Result<()> {
+        let progress = Progress::new("writing", recorded.table.rows() as u64);
+        // A bar among the rows would be in their way.
+        let is_seen = self.output.is_none() && stdout().is_terminal();
+        let row_done = || {
+            if !is_seen {
+                progress.done(1);
+            }
+            interruption.go_on()
+        };
+        match &self.output {
+            Some(folder) => {
+                interruption.begin_writing();
+                Ok(recorded.write_watched(folder, row_done)?)
+            }
+            None if self.json => Ok(()),
+            None => match recorded.table.write_csv_watched(stdout().lock(), row_done).map_err(Error::from) {
+                Err(error) if is_closed_pipe(&error) => Ok(()),
+                written => written.context("cannot write to stdout"),
+            },
+        }
     }
 
     fn scenario(&self) -> Result<Scenario> {
@@ -153,19 +170,11 @@ impl Simulate {
         let file = self.rig.read()?;
         let controller = self.rig.controller(self.planner.kind())?;
         let from = self.from.unwrap_or(file.home);
-        ensure!(
-            self.step <= self.duration,
-            "--step {:?} s is longer than --duration {:?} s",
-            self.step,
-            self.duration
-        );
-        ensure!(
-            count_steps(self.duration, self.step).is_some(),
-            "--duration {:?} s in steps of {:?} s makes {:?} steps: 1 to {MOST_STEPS:?} are allowed",
-            self.duration,
-            self.step,
-            (self.duration / self.step).round(),
-        );
+        if let Err(right) = count_steps(self.duration, self.step) {
+            bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
+        }
+        let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
+        require_rest(&controller, &name, &from)?;
         Ok(Scenario {
             title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
             rig: file.rig.name,
@@ -253,43 +262,30 @@ fn prepare(folder: &Path) -> Result<()> {
     Ok(run_folder::make(folder)?)
 }
 
-/// Becomes true at Ctrl-C, or when the program is asked to end; a second time ends it at once.
-fn interruption() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            std::process::exit(crate::INTERRUPTED.into());
-        }
-    })
-    .context("cannot listen to Ctrl-C")?;
-    Ok(stop)
+/// How a simulation came to its end.
+enum End {
+    Whole,
+    Interrupted,
 }
 
 /// Runs until the end of the scenario, or until it is to stop.
-fn simulate(scenario: &Scenario, models: Models, recording: &mut Recording, stop: &AtomicBool) -> Result<()> {
+fn simulate(
+    scenario: &Scenario,
+    models: Models,
+    recording: &mut Recording,
+    interruption: &Interruption,
+) -> Result<End> {
     let mut closed_loop = ClosedLoop::with_models(scenario, models.controller, models.plant)?;
-    recording.push(closed_loop.moment());
-    let steps = count_steps(scenario.duration, scenario.step).unwrap_or(0);
-    let (bar, begun) = (progress(steps)?, Instant::now());
-    for k in 1..=steps {
-        if stop.load(Ordering::Relaxed) {
-            break;
+    recording.push(closed_loop.moment())?;
+    let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
+    let progress = Progress::new("simulating", steps);
+    for _ in 0..steps {
+        if interruption.is_asked() {
+            return Ok(End::Interrupted);
         }
         closed_loop.step()?;
-        recording.push(closed_loop.moment());
-        if bar.is_hidden() && begun.elapsed() > PATIENCE {
-            bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        bar.set_position(k);
+        recording.push(closed_loop.moment())?;
+        progress.done(1);
     }
-    bar.finish_and_clear();
-    Ok(())
-}
-
-/// Not shown yet, and on a terminal only.
-fn progress(steps: u64) -> Result<ProgressBar> {
-    let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
-    bar.set_style(ProgressStyle::with_template("{bar:40} {percent:>3} %, {eta} left")?);
-    Ok(bar)
+    Ok(End::Whole)
 }

@@ -1,10 +1,10 @@
 //! Where a scenario comes from: the program itself, a file, or the arguments.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use cable_robot::plan::PlannerKind;
+use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::report::files::read_text;
 use cable_robot::robot::RigFile;
 use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
 
@@ -19,19 +19,29 @@ pub fn named(name: &str) -> Result<Scenario> {
 
 fn from_file(path: &Path) -> Result<Scenario> {
     let names = BUNDLED.map(|(name, _)| name).join(", ");
-    let text = fs::read_to_string(path).with_context(|| {
+    let text = read_text(path).with_context(|| {
         format!("cannot read the scenario {} (bundled ones are: {names})", path.display())
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&text, folder).with_context(|| format!("{}", path.display()))
+    parse(&text, folder).with_context(|| path.display().to_string())
 }
 
 /// `folder` is where the path of a rig begins.
 fn parse(text: &str, folder: &Path) -> Result<Scenario> {
     let file = ScenarioFile::parse(text)?;
-    let rig = file.rig().map_or_else(|| Ok(RigFile::default()), |path| rig::read(&folder.join(path)))?;
-    let base = rig::controller(&rig, PlannerKind::Bounded)?;
-    Ok(file.scenario(&rig.rig.name, rig.home, base)?)
+    let (rig, base) = match file.rig() {
+        Some((line, path)) => rig::read_with_controller(&folder.join(path), PlannerKind::Bounded)
+            .with_context(|| format!("line {line}: rig = {path:?}"))?,
+        None => (RigFile::default(), ControllerParameters::default()),
+    };
+    let scenario = file.scenario(&rig.rig.name, rig.home, base)?;
+    let start = match (file.start_line(), file.rig()) {
+        (Some(line), _) => format!("line {line}: start"),
+        (None, Some((line, path))) => format!("line {line}: rig = {path:?}: home"),
+        (None, None) => "home".to_owned(),
+    };
+    rig::require_rest(&scenario.controller, &start, &scenario.plant.initial_pose)?;
+    Ok(scenario)
 }
 
 /// Names and titles of the bundled scenarios.

@@ -30,7 +30,7 @@ impl Summary<'_> {
             text += &format!("smallest tension: {smallest}\n");
         }
         if self.tells_of_goals() {
-            (0..self.scenario.goals.len()).for_each(|k| text += &self.goal(k));
+            text += &self.goals();
         }
         text += &match summary.slack {
             Some((cable, time)) => format!("slack cables: cable {cable}, first at {time:.3} s\n"),
@@ -90,6 +90,17 @@ impl Summary<'_> {
         self.table.get("controller.atGoal").is_some()
     }
 
+    /// A line each, the middle of a long list left out.
+    fn goals(&self) -> String {
+        let count = self.scenario.goals.len();
+        let line = |k: usize| match left_out(k, count) {
+            None => self.goal(k),
+            Some(0) => format!("... {} more goals\n", count - 2 * SHOWN),
+            Some(_) => String::new(),
+        };
+        (0..count).map(line).collect()
+    }
+
     /// When and whether goal `k` was reached.
     fn goal(&self, k: usize) -> String {
         let goal = &self.scenario.goals[k];
@@ -104,9 +115,9 @@ impl Summary<'_> {
     /// When the robot first rested at goal `k`, s.
     fn reached(&self, k: usize) -> Option<f64> {
         let (from, until) = (self.scenario.goals[k].time, self.end_of(k));
-        let mut rows = self.run.times.iter().zip(&self.run.at_goal);
-        rows.find(|(time, at_goal)| **time > from && **time <= until && **at_goal != 0.0)
-            .map(|(time, _)| *time)
+        let times = &self.run.times;
+        let mut rows = times.partition_point(|t| *t <= from)..times.partition_point(|t| *t <= until);
+        rows.find(|row| self.run.at_goal[*row] != 0.0).map(|row| times[row])
     }
 
     /// When the next goal is given, s.
@@ -126,21 +137,28 @@ pub fn place(pose: &Pose) -> String {
     format!("({})", pose.0.iter().take(shown).map(f64::to_string).collect::<Vec<_>>().join(", "))
 }
 
+/// In the middle of a list that is too long: the place there, from 0.
+fn left_out(i: usize, count: usize) -> Option<usize> {
+    let is_long = count > 2 * SHOWN + 1;
+    (is_long && (SHOWN..count - SHOWN).contains(&i)).then(|| i - SHOWN)
+}
+
 /// A table of them, the middle of a long one left out; angles only where there are any.
 fn set_points(points: &[SetPoint], angles: &[[f64; 3]]) -> String {
     let turned = angles.iter().flatten().any(|angle| *angle != 0.0);
     let mut text = String::from("set points\n  i   from (s)    x (m)    y (m)    z (m)");
     text += if turned { " roll (rad)  pitch      yaw\n" } else { "\n" };
-    let left_out = points.len().saturating_sub(2 * SHOWN);
+    let count = points.len();
     for (i, (point, angles)) in points.iter().zip(angles).enumerate() {
-        let is_middle = left_out > 1 && (SHOWN..SHOWN + left_out).contains(&i);
-        if !is_middle {
-            let [x, y, z] = point.position.map(metres);
-            let angles = if turned { angles.map(metres).concat() } else { String::new() };
-            text += &format!("  {i:<3} {:8.3}{x}{y}{z}{angles}\n", point.time);
-        } else if i == SHOWN {
-            text += &format!("  ... {left_out} more\n");
-        }
+        text += &match left_out(i, count) {
+            None => {
+                let [x, y, z] = point.position.map(metres);
+                let angles = if turned { angles.map(metres).concat() } else { String::new() };
+                format!("  {i:<3} {:8.3}{x}{y}{z}{angles}\n", point.time)
+            }
+            Some(0) => format!("  ... {} more\n", count - 2 * SHOWN),
+            Some(_) => String::new(),
+        };
     }
     text
 }

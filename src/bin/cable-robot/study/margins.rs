@@ -8,7 +8,6 @@ use cable_robot::cosim::Fmu;
 use cable_robot::reach::certificate::{self, Step, Verdict, certify, certify_with_margins};
 use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use clap::Args;
-use indicatif::ProgressBar;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -17,11 +16,12 @@ use serde_json::json;
 
 use super::cases::{Case, body};
 use super::plant::{ImperfectPlant, Truth};
+use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study margins --steps 1000
-The plant is the FMU that `cargo fmu build` packs. Exit code 1: a cable was slack, or a tension outside what was proved.";
+The plant is the FMU that `cargo fmu build` packs: run this in the project's folder after it, or name the file with --plant. Exit code 1: a cable was slack, or a tension outside what was proved.";
 
 /// What is certified, and what the plants are given at most.
 const MARGINS: certificate::Margins = certificate::Margins {
@@ -77,16 +77,21 @@ struct Found {
 
 impl Margins {
     pub fn run(&self) -> Result<Outcome> {
-        let fmu = Fmu::open(&self.plant).context("`cargo fmu build` packs the plant")?;
-        let bar = ProgressBar::new(self.steps);
+        let fmu = Fmu::open(&self.plant).with_context(|| {
+            format!(
+                "--plant {}: `cargo fmu build` packs this file in the project's folder; name it from elsewhere",
+                self.plant.display()
+            )
+        })?;
+        let progress = Progress::new("running", self.steps);
         let one = |k| {
             let found = try_one(&fmu, self.seed.wrapping_add(k));
-            bar.inc(1);
+            progress.done(1);
             found
         };
         let found = (0..self.steps).into_par_iter().map(one).try_reduce_with(|a, b| Ok(a.and(&b)));
         let found = found.context("no step")??;
-        bar.finish_and_clear();
+        drop(progress);
         self.show(&found)?;
         if found.slack + found.outside > 0 {
             bail!("{} runs with a slack cable, {} outside the range proved", found.slack, found.outside);

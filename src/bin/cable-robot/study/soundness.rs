@@ -2,13 +2,13 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::cases::{Case, Domain};
+use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -50,17 +50,16 @@ struct Found {
 impl Soundness {
     pub fn run(&self) -> Result<Outcome> {
         let batches = self.cases.div_ceil(BATCH);
-        let bar = ProgressBar::new(batches * BATCH);
-        bar.set_style(ProgressStyle::with_template("{bar:40} {human_pos} of {human_len} cases, {eta} left")?);
+        let progress = Progress::new("looking", batches * BATCH);
         let found = (0..batches)
             .into_par_iter()
             .map(|batch| {
                 let found = look_at(self.domain, self.seed.wrapping_add(batch));
-                bar.inc(BATCH);
+                progress.done(BATCH);
                 found
             })
             .reduce(Found::none, Found::and);
-        bar.finish_and_clear();
+        drop(progress);
         self.show(&found)?;
         if found.broken > 0 {
             bail!(

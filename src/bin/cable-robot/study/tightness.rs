@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::random_point;
+use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -51,7 +52,9 @@ impl Tightness {
     pub fn run(&self) -> Result<Outcome> {
         let grid: Vec<(f64, f64)> =
             [1.0, 3.0, 5.0, 8.0].into_iter().flat_map(|gain| [0.5, 1.0, 2.0].map(|z| (gain, z))).collect();
-        let cells: Vec<Cell> = grid.into_par_iter().map(|(gain, z)| self.cell(gain, z)).collect();
+        let progress = Progress::new("looking", grid.len() as u64 * u64::from(self.pairs));
+        let cells: Vec<Cell> = grid.into_par_iter().map(|(gain, z)| self.cell(gain, z, &progress)).collect();
+        drop(progress);
         if self.json {
             let rows: Vec<_> = cells.iter().map(|c| {
                 json!({"gain": c.gain, "z": c.z, "pairs": self.pairs, "admissible": c.admissible, "bounded": c.bounded, "exact": c.exact, "wrong": c.wrong})
@@ -80,7 +83,7 @@ impl Tightness {
         Ok(Outcome::Done)
     }
 
-    fn cell(&self, gain: f64, z: f64) -> Cell {
+    fn cell(&self, gain: f64, z: f64, progress: &Progress) -> Cell {
         let robot = RobotParameters::default();
         let gains = Gains { lambda: gain, eta: gain };
         let mut rng = Pcg64::seed_from_u64(self.seed);
@@ -98,6 +101,7 @@ impl Tightness {
             } else {
                 cell.wrong += u32::from(bounded || exact);
             }
+            progress.done(1);
         }
         cell
     }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::random_point;
+use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -45,6 +46,8 @@ enum Way {
     ExactFromAnyState,
 }
 
+/// λ = η, 1/s.
+const GAINS: [f64; 3] = [3.0, 5.0, 8.0];
 const WAYS: [Way; 3] = [Way::Bounded, Way::ExactFromRest, Way::ExactFromAnyState];
 
 struct Row {
@@ -58,9 +61,14 @@ impl Time {
     pub fn run(&self) -> Result<Outcome> {
         let pairs = self.pairs();
         let mut rows = vec![];
-        for gain in [3.0, 5.0, 8.0] {
+        let progress = Progress::new("moving", (GAINS.len() * WAYS.len() * (pairs.len() + 1)) as u64);
+        for gain in GAINS {
             for way in WAYS {
-                let time = |from: Pose, to: Pose| time_to_goal(gain, way, from, to);
+                let time = |from: Pose, to: Pose| {
+                    let time = time_to_goal(gain, way, from, to);
+                    progress.done(1);
+                    time
+                };
                 let mut reached: Vec<f64> =
                     pairs.par_iter().filter_map(|(from, to)| time(*from, *to)).collect();
                 reached.sort_by(f64::total_cmp);
@@ -72,6 +80,7 @@ impl Time {
                 });
             }
         }
+        drop(progress);
         self.show(&rows)?;
         Ok(Outcome::Done)
     }
