@@ -101,7 +101,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("cable-robot: {}", with_short_lines(&format!("{error:#}")));
+            let _ = writeln!(std::io::stderr(), "cable-robot: {}", with_short_lines(&format!("{error:#}")));
             ExitCode::FAILURE
         }
     }
