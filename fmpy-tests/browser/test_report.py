@@ -206,3 +206,12 @@ def test_fits_the_window_and_looks_like_this(open_report, request, run, window):
 def test_is_small(paper, pushed):
     for recorded in (paper, pushed):
         assert recorded.page.stat().st_size < 6_000_000
+
+
+def test_a_window_without_room_draws_no_nonsense(open_report, paper):
+    """A page that is laid out late, or a window made very small, put NaN into paths; open_report looks at the console."""
+    page = open_report(paper, viewport={"width": 60, "height": 400})
+    page.set_viewport_size({"width": 1366, "height": 768})
+    page.evaluate("seek(1.15)")
+    compare_with_csv(page, paper)
+    assert page.locator("#plane .hexagon").count() == 1

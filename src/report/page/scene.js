@@ -19,13 +19,13 @@ function pathOf(points, closed) {
   return "M" + points.map((p) => p[0].toFixed(1) + " " + p[1].toFixed(1)).join("L") + (closed ? "Z" : "");
 }
 
-/** An empty SVG that fills `box`, and `draw(svg, width, height)` again whenever its size changes. */
+/** An empty SVG that fills `box`, and `draw(svg, width, height)` again whenever its size changes, but not into a box that has no room yet. */
 function canvas(box, draw) {
   const svg = shape(box, "svg", { "aria-hidden": "true" });
   new ResizeObserver(() => {
     svg.replaceChildren();
     set(svg, { viewBox: `0 0 ${box.clientWidth} ${box.clientHeight}` });
-    draw(svg, box.clientWidth, box.clientHeight);
+    if (Math.min(box.clientWidth, box.clientHeight) > 60) draw(svg, box.clientWidth, box.clientHeight);
   }).observe(box);
 }
 
