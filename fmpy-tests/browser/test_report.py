@@ -214,4 +214,4 @@ def test_a_window_without_room_draws_no_nonsense(open_report, paper):
     page.set_viewport_size({"width": 1366, "height": 768})
     page.evaluate("seek(1.15)")
     compare_with_csv(page, paper)
-    assert page.locator("#plane .hexagon").count() == 1
+    assert page.locator("#plane-picture .hexagon").count() == 1
