@@ -322,6 +322,20 @@ fn a_signal_while_moving_leads_to_the_safe_output_and_drives_that_are_off() {
     assert!(said.contains("Stopping") && said.contains("Off"), "{said}");
 }
 
+/// As a dying shell and the kernel do with SIGHUP, and `timeout` with SIGTERM.
+#[test]
+fn a_signal_that_comes_twice_at_once_does_not_drop_the_platform() {
+    for name in ["HUP", "TERM"] {
+        let lab = Lab::start();
+        let mut program = Program::start(&lab.device, &[]);
+        program.move_away();
+        program.signal(name);
+        program.signal(name);
+        assert_eq!(program.exit_code(), Some(0), "{name}: {}", program.messages());
+        assert!(program.messages().contains("Stopping"), "{name}: {}", program.messages());
+    }
+}
+
 #[test]
 fn the_end_of_the_operators_input_lets_go() {
     let lab = Lab::start();

@@ -11,6 +11,7 @@ mod real_time;
 mod record;
 mod replay;
 mod session;
+mod signals;
 mod status;
 #[cfg(test)]
 mod tests;
@@ -163,7 +164,7 @@ fn drive(
     };
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
     let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
-    let stop = operator::signals()?;
+    let stop = signals::listen()?;
     let (commands, _terminal) = operator::listen(&config)?;
     let ControllerParameters { min_tension, max_tension, .. } = controller.parameters();
     let (teller, journal) = Journal::start(recording, stream, &config, [min_tension, max_tension])?;

@@ -1,8 +1,6 @@
-//! What the operator wants: keys on a terminal, lines from a pipe, and signals.
+//! What the operator wants: keys on a terminal, and lines from a pipe.
 
 use std::io::IsTerminal;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -24,15 +22,6 @@ const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
-
-/// Counts SIGINT, SIGTERM and SIGHUP.
-pub fn signals() -> Result<Arc<AtomicU32>> {
-    let count = Arc::new(AtomicU32::new(0));
-    let counted = Arc::clone(&count);
-    ctrlc::set_handler(move || _ = counted.fetch_add(1, Ordering::Relaxed))
-        .context("cannot listen to signals")?;
-    Ok(count)
-}
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {

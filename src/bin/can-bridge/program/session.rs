@@ -41,7 +41,7 @@ pub struct Session<'a> {
     links: Vec<Box<dyn Transport>>,
     teller: Teller,
     commands: Consumer<OperatorCommand>,
-    /// Signals so far.
+    /// How often signals asked for the end.
     stop: Arc<AtomicU32>,
     timetable: Timetable,
     /// Whether nothing is ever sent.
@@ -115,7 +115,9 @@ impl<'a> Session<'a> {
         }
         if signals == 1 && !self.is_stopping {
             self.is_stopping = true;
-            self.note("a signal: to the safe output, then off; a second one cuts the torque off at once");
+            self.note(
+                "a signal: to the safe output, then off; another one, later, cuts the torque off at once",
+            );
         }
         let report = catch_unwind(AssertUnwindSafe(|| {
             self.receive_until(self.due);
