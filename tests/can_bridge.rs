@@ -383,6 +383,45 @@ fn a_terminal_that_is_gone_does_not_drop_the_platform() {
     lab.unplug();
 }
 
+/// A pipe that is full: whatever is written there waits for ever.
+#[test]
+fn an_output_that_nobody_reads_stops_neither_the_recording_nor_the_end() {
+    let lab = Lab::start();
+    let folder = tempfile::tempdir().unwrap();
+    let (rig, run) = (folder.path().join("rig.toml"), folder.path().join("run"));
+    fs::write(&rig, rig_text()).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_can-bridge"))
+        .arg(&rig)
+        .arg(format!("--bus=can0=slcan:{}", lab.device.display()))
+        .arg(format!("--record={}", run.display()))
+        .args(["--status", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // More than a pipe holds, each line answered on stderr; the status fills stdout.
+    let mut operator = child.stdin.take().unwrap();
+    let flood = thread::spawn(move || (0..3000).all(|_| writeln!(operator, "nonsense").is_ok()));
+    thread::sleep(Duration::from_secs(10));
+    let recorded = || fs::metadata(run.join("cycles.csv")).unwrap().len();
+    let before = recorded();
+    thread::sleep(Duration::from_secs(3));
+    let is_recording = recorded() > before;
+    Command::new("kill").arg(child.id().to_string()).status().unwrap();
+    let begun = Instant::now();
+    while child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(10) {
+        thread::sleep(Duration::from_millis(20));
+    }
+    let ended = child.try_wait().unwrap();
+    child.kill().unwrap();
+    assert!(is_recording, "cycles.csv stays at {before} bytes");
+    assert_eq!(ended.and_then(|status| status.code()), Some(7), "the status stream is not whole");
+    flood.join().unwrap();
+    let (code, said) = replay(&run);
+    assert_eq!(code, Some(0), "{said}");
+}
+
 #[test]
 fn a_dry_run_computes_beside_another_controller_and_sends_nothing() {
     let (mut adapter, device) = pseudo_terminal().unwrap();
@@ -455,6 +494,18 @@ fn check_prints_what_fits_and_a_kilohertz_is_refused() {
         assert_eq!(code, Some(1), "{to}");
         assert!(refused.contains(expected), "{to}: {refused}");
     }
+    let full = fs::File::create("/dev/full").unwrap();
+    let rig = folder.path().join("rig.toml");
+    fs::write(&rig, rig_text()).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_can-bridge"))
+        .arg(&rig)
+        .arg("--check")
+        .stdout(full)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("cannot write to stdout: No space left"), "{said}");
     let wrong = can_bridge(&["--replay", "x", "--check"]);
     assert_eq!(wrong.status.code(), Some(2));
 }

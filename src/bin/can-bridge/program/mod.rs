@@ -7,12 +7,14 @@ mod goals;
 mod journal;
 mod log;
 mod operator;
+mod outlet;
 mod real_time;
 mod record;
 mod replay;
 mod session;
 mod signals;
 mod status;
+mod terminal;
 #[cfg(test)]
 mod tests;
 
@@ -31,6 +33,7 @@ use clap::Parser;
 use controller::FmuController;
 use journal::Journal;
 use session::{End, Session};
+use terminal::say;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 3 the rate does not fit on the bus;
@@ -98,20 +101,24 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Tells whoever reads stderr. If nobody does any more (a terminal that is gone), the platform is to be held all the same.
-fn say(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
 /// The program.
 pub fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
+    let arguments = Arguments::parse();
+    let code = match terminal::start().and_then(|()| run(&arguments)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
             say(format_args!("can-bridge: {error:#}"));
             ExitCode::FAILURE
         }
-    }
+    };
+    terminal::finish();
+    code
+}
+
+/// To stdout.
+fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
 }
 
 fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -129,12 +136,12 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
         let bus = config.buses.iter().position(|bus| bus.name == *name);
         let known = || config.buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
         let bus = bus.with_context(|| format!("--export-dbc {name}: the rig file knows {}", known()))?;
-        print!("{}", export::dbc(&config, bus));
+        print(&export::dbc(&config, bus))?;
         return Ok(Outcome::Done);
     }
     let controller = FmuController::open(&config)?;
     if arguments.check {
-        print!("{}", check::text(&config, &controller));
+        print(&check::text(&config, &controller))?;
     }
     if let Err(reason) = bus_load::check(&config) {
         say(format_args!("can-bridge: {reason}"));

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::say;
+use super::terminal::say;
 use anyhow::{Context, Result};
 use cable_robot::rig::{Config, OperatorCommand};
 use cable_robot::robot::{Coordinates, Pose};
@@ -63,7 +63,7 @@ impl Drop for Terminal {
 
 /// A terminal knows no key that is held: `e` enables until the next key, whichever it is.
 fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
-    say(format_args!("{KEYS}"));
+    say(KEYS);
     let mut enabled: Option<Instant> = None;
     let mut tell = |command| _ = queue.push(command);
     loop {

@@ -9,10 +9,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use cable_robot::rig::bridge::Bridge;
 use cable_robot::rig::{Config, FrameQueue, Nanoseconds, TensionController};
 
-use super::Outcome;
 use super::controller::FmuController;
 use super::entry::{Input, OnBus};
 use super::log::{self, Direction};
+use super::{Outcome, print};
 
 /// Enters the session in this folder and prints what came of it.
 pub fn run(folder: &Path) -> Result<Outcome> {
@@ -38,7 +38,7 @@ pub fn run(folder: &Path) -> Result<Outcome> {
             Step::Same => count += 1,
             Step::End => break,
             Step::Differs(what) => {
-                println!("cycle {count} at {} s differs: {what}", log::seconds(recorded.time));
+                print(&format!("cycle {count} at {} s differs: {what}\n", log::seconds(recorded.time)))?;
                 return Ok(Outcome::Differs);
             }
         }
