@@ -150,8 +150,10 @@ pub enum Fault {
         /// N.
         commanded: f64,
     },
-    /// More cable came in than slack can be.
-    #[error("cable {cable} came in by {length:.3} m and is not taut: loose, or off its pulley")]
+    /// More cable came in, or went out, than slack can be.
+    #[error(
+        "cable {cable} came in by {length:.3} m and is not taut: loose, off its pulley, or (below 0) wound the other way round"
+    )]
     LooseCable {
         /// 1 to 6.
         cable: usize,

@@ -6,6 +6,7 @@ mod measure;
 mod operator;
 mod output;
 mod queue;
+mod slack;
 mod startup;
 mod state;
 #[cfg(test)]
@@ -17,6 +18,7 @@ pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
 use measure::{CellMonitor, Encoder};
+use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
 
@@ -38,8 +40,8 @@ enum Mode {
     },
     TakingUpSlack {
         since: Nanoseconds,
-        ramp: Option<Nanoseconds>,
-        calm: u32,
+        /// None until all drives are enabled.
+        step: Option<SlackStep>,
     },
     Ready,
     /// First the weight is taken over from `from` to `lifted`, then the controller pulls.
@@ -352,7 +354,7 @@ impl Bridge {
     /// Whether the drives are to be in Operation enabled by now.
     fn is_pulling(&self) -> bool {
         match self.mode {
-            Mode::TakingUpSlack { ramp, .. } => ramp.is_some(),
+            Mode::TakingUpSlack { step, .. } => step.is_some(),
             Mode::Ready | Mode::Enabled { .. } => true,
             Mode::Stopping { to, .. } | Mode::Safe(to) => to.is_some(),
             Mode::Configuring | Mode::Homing { .. } | Mode::Fault(_) | Mode::Off | Mode::Shadow { .. } => {

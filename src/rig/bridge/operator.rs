@@ -78,7 +78,7 @@ impl Bridge {
             }
         }
         self.take_references();
-        self.enter(Mode::TakingUpSlack { since: now, ramp: None, calm: 0 });
+        self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }
 
@@ -88,7 +88,7 @@ impl Bridge {
             && self.cells.iter().all(|cell| cell.is_alive(limits))
     }
 
-    fn take_references(&mut self) {
+    pub(super) fn take_references(&mut self) {
         for i in 0..CABLES {
             self.drives[i].encoder.home(self.home_length[i]);
         }
@@ -130,7 +130,7 @@ impl Bridge {
             }
             Mode::Configuring => self.configure(out),
             Mode::Homing { since } => self.reset_drives(since),
-            Mode::TakingUpSlack { since, ramp, calm } => self.take_up_slack(since, ramp, calm),
+            Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
             {
@@ -180,45 +180,9 @@ impl Bridge {
         }
     }
 
-    fn fail_drive_stuck(&mut self, i: usize) {
+    pub(super) fn fail_drive_stuck(&mut self, i: usize) {
         let state = self.drives[i].state.unwrap_or(DriveState::NotReadyToSwitchOn);
         self.fail(Fault::DriveStuck { node: self.config.drives[i].node, state });
-    }
-
-    fn take_up_slack(&mut self, since: Nanoseconds, ramp: Option<Nanoseconds>, calm: u32) {
-        let slack = self.config.slack;
-        let Some(begun) = ramp else {
-            let waiting = (0..CABLES).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
-            match waiting {
-                None => self.mode = Mode::TakingUpSlack { since, ramp: Some(self.time), calm: 0 },
-                Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
-                    self.fail_drive_stuck(i)
-                }
-                Some(_) => {}
-            }
-            return;
-        };
-        for i in 0..CABLES {
-            let length = self.home_length[i] - self.drives[i].encoder.length;
-            if length > slack.most {
-                return self.fail(Fault::LooseCable { cable: i + 1, length });
-            }
-        }
-        let elapsed = self.time.saturating_sub(begun);
-        if elapsed < slack.ramp {
-            return;
-        }
-        let disagreeing = (0..CABLES).find(|i| !self.cells[*i].agrees());
-        let calm = if disagreeing.is_none() { calm + 1 } else { 0 };
-        self.mode = Mode::TakingUpSlack { since, ramp, calm };
-        if calm > self.config.cycles(self.config.limits.disagreement_time) {
-            // Only now the cables are taut, and as long as they are at the home pose.
-            self.take_references();
-            self.enter(Mode::Ready);
-        } else if let (Some(i), true) = (disagreeing, elapsed > 2 * slack.ramp) {
-            let (measured, commanded) = (self.cells[i].tension(), self.told[i]);
-            self.fail(Fault::LoadCellDisagrees { cable: i + 1, measured, commanded });
-        }
     }
 
     /// From the controller's tensions to the safe output.

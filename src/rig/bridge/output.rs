@@ -17,9 +17,8 @@ impl Bridge {
             Mode::Configuring | Mode::Off => (NOTHING, Demand::Off),
             Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
             Mode::Homing { .. } => (NOTHING, Demand::Off),
-            Mode::TakingUpSlack { ramp, .. } => {
-                let share = ramp.map_or(0.0, |begun| self.share(begun, self.config.slack.ramp));
-                ([share * self.config.slack.pretension; CABLES], Demand::Enabled)
+            Mode::TakingUpSlack { step, .. } => {
+                (step.map_or(NOTHING, |step| self.slack_pull(&step)), Demand::Enabled)
             }
             Mode::Ready => ([self.config.slack.pretension; CABLES], Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {
@@ -53,7 +52,7 @@ impl Bridge {
     }
 
     /// How much of a ramp that began then is behind, 0 to 1.
-    fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
+    pub(super) fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
         let elapsed = self.time.saturating_sub(since);
         if elapsed >= ramp { 1.0 } else { elapsed as f64 / ramp as f64 }
     }
@@ -103,7 +102,7 @@ impl Bridge {
     }
 }
 
-fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
+pub(super) fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
     std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
 }
 

@@ -13,7 +13,7 @@ use super::{
 use crate::rig::canopen::{self, Node, Object, Value, Width};
 use crate::rig::cia402::Winch;
 use crate::rig::load_cell::{Encoding, LoadCell};
-use crate::robot::{CABLES, Coordinates, PerCable, Pose, RobotParameters};
+use crate::robot::{CABLES, Coordinates, Geometry, PerCable, Pose, RobotParameters};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -165,17 +165,8 @@ pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
         load_cells: load_cells(&check, &file, &buses)?,
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
         home: home(&check, &file.home)?,
-        slack: Slack {
-            pretension: check.within(
-                &file.slack.pretension,
-                "slack.pretension",
-                0.1..=controller.max_tension,
-                "N",
-            )?,
-            ramp: check.time(&file.slack.ramp, "slack.ramp", 0.01..=60.0)?,
-            most: check.within(&file.slack.most, "slack.most", 1e-4..=10.0, "m")?,
-        },
-        limits: limits(&check, &file.limits)?,
+        slack: slack(&check, &file, &controller)?,
+        limits: limits(&check, &file)?,
         safe: Safe {
             output: file.safe.output,
             ramp: check.time(&file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
@@ -223,7 +214,43 @@ fn timeouts(check: &Check, entry: &TimeoutEntry) -> Result<Timeouts, ConfigError
     })
 }
 
-fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
+fn slack(check: &Check, file: &File, controller: &ControllerConfig) -> Result<Slack, ConfigError> {
+    let entry = &file.slack;
+    let pretension = check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?;
+    let most = greatest_pretension(&home(check, &file.home)?, controller);
+    if pretension > most {
+        let allowed = format!(
+            "must be from 0.1 to {most:.3} N: one cable after the other pulls twice of it, and the platform must stay on its stand"
+        );
+        let offset = entry.pretension.span().start;
+        return Err(check.refuse(offset, "slack.pretension", pretension, allowed));
+    }
+    Ok(Slack {
+        pretension,
+        ramp: check.time(&entry.ramp, "slack.ramp", 0.01..=60.0)?,
+        most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
+    })
+}
+
+/// With twice of it in one cable, neither `maxTension` nor the platform's weight is reached. N.
+fn greatest_pretension(home: &Pose, controller: &ControllerConfig) -> f64 {
+    let robot = &controller.robot;
+    let cables = Geometry::new(robot).cables(&home.position(), &home.rotation());
+    let lift = cables.direction.map(|direction| -direction.z);
+    let most = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
+    (0.5 * controller.max_tension).min(robot.m * robot.g / most)
+}
+
+fn limits(check: &Check, file: &File) -> Result<Limits, ConfigError> {
+    let (entry, pretension) = (&file.limits, *file.slack.pretension.get_ref());
+    let disagreement = *entry.disagreement.get_ref();
+    if disagreement >= pretension {
+        let allowed = format!(
+            "must be less than slack.pretension ({pretension} N), or a dead load cell is not noticed"
+        );
+        let offset = entry.disagreement.span().start;
+        return Err(check.refuse(offset, "limits.disagreement", disagreement, allowed));
+    }
     let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
     Ok(Limits {
         lost_cycles: check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=100, "cycles")?,

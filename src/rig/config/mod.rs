@@ -143,9 +143,9 @@ pub enum Action {
 /// How slack is taken up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slack {
-    /// Tension that makes every cable taut while the platform stands on its stand, N.
+    /// Tension that makes every cable taut while the platform stands on its stand, N. Twice of it tells which load cell is whose.
     pub pretension: f64,
-    /// Time of the ramp to it, and then again for the load cells to settle.
+    /// Time of the ramp to it (a quarter for each further step), and then again for the load cells to settle.
     pub ramp: Nanoseconds,
     /// More cable than this is not slack: it is loose, or off its pulley. m.
     pub most: f64,
@@ -312,7 +312,12 @@ pub(crate) mod tests {
             (
                 "pretension = 3.0",
                 "pretension = 70.0",
-                "slack.pretension = 70 is not allowed: must be from 0.1 to 60 N",
+                "slack.pretension = 70 is not allowed: must be from 0.1 to ",
+            ),
+            (
+                "disagreement = 2.0",
+                "disagreement = 3.0",
+                "limits.disagreement = 3 is not allowed: must be less than slack.pretension (3 N)",
             ),
             ("direction = 1", "direction = 0.5", "drives[1].direction = 0.5 is not allowed: must be 1"),
             ("node = 2\n", "node = 1\n", "drives[2].torque_frame = 0x201, slot 1"),

@@ -342,6 +342,50 @@ fn what_is_wrong_at_the_start_is_said_and_nothing_is_pulled() {
 }
 
 #[test]
+fn a_load_cell_that_is_dead_wrongly_scaled_or_of_another_cable_never_gets_ready() {
+    type Case = (&'static str, fn(&mut Bench));
+    let cases: [Case; 5] = [
+        ("dead", |b| b.rig.cells[2].cells[0].2 = CellFault::Says(0.0)),
+        ("a ten-thousandth", |b| b.rig.cells[2].cells[0].1.scale = 1e4),
+        ("three times as much", |b| b.rig.cells[2].cells[0].1.scale = 1.0 / 3.0),
+        ("half", |b| b.rig.cells[2].cells[0].1.scale = 2.0),
+        ("swapped with the next", |b| (b.rig.cells[2].cells[0].0, b.rig.cells[3].cells[0].0) = (3, 2)),
+    ];
+    for (name, is_wrong) in cases {
+        let mut bench = bench();
+        is_wrong(&mut bench);
+        assert!(!bench.start(), "{name}: enabled");
+        let fault = bench.bridge.fault.unwrap();
+        println!("{name}: {fault}");
+        let is_expected = |fault| {
+            matches!(fault, Fault::LoadCellDisagrees { cable: 3, .. } | Fault::LoadCellStuck { cable: 3 })
+        };
+        assert!(is_expected(fault), "{name}: {fault}");
+        assert_eq!((bench.bridge.state(), bench.rig.support()), (State::Fault, Support::Stand), "{name}");
+    }
+}
+
+/// A motor that is wired the other way round, or whose direction is wrong in the rig file.
+#[test]
+fn a_cable_that_is_paid_out_while_slack_is_taken_up_is_a_fault() {
+    let mut bench = bench();
+    assert!(bench.run_until(State::Homing, 20.0));
+    bench.run(0.1);
+    bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+    bench.run(1.0);
+    let winch = bench.bridge.config.drives[2].winch;
+    for k in 1..=100 {
+        bench.rig.drives[2].faults.encoder_error = winch.counts(0.001 * f64::from(k), 0);
+        bench.run(0.01);
+    }
+    assert!(
+        matches!(bench.bridge.fault, Some(Fault::LooseCable { cable: 3, length }) if length < -0.05),
+        "{:?}",
+        bench.bridge.fault
+    );
+}
+
+#[test]
 fn lost_and_doubled_frames_are_ridden_through() {
     for link in [
         LinkFaults { loss: 0.01, ..LinkFaults::default() },

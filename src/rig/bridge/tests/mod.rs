@@ -21,8 +21,9 @@ fn with_safe_output(output: SafeOutput) -> Bench {
     with_noise(config)
 }
 
+/// With 0.05 N chance decides when the platform is at rest, and so when it sets out.
 fn with_noise(config: Config) -> Bench {
-    let imperfections = PlantParameters { load_cell_noise: 0.05, ..PlantParameters::default() };
+    let imperfections = PlantParameters { load_cell_noise: 0.01, ..PlantParameters::default() };
     Bench::new(config, imperfections).unwrap()
 }
 
