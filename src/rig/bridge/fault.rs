@@ -169,6 +169,16 @@ pub enum Fault {
         /// The largest of roll, pitch and yaw, rad.
         angle: f64,
     },
+    /// Somebody else sends what only the bridge may.
+    #[error(
+        "another master is on bus {bus}: it sent 0x{id:03X}, which only this bridge may; end one of them (or the adapter gives back what it is sent)"
+    )]
+    AnotherMaster {
+        /// Its place.
+        bus: usize,
+        /// SYNC, the bridge's heartbeat, or a torque frame.
+        id: u16,
+    },
     /// The controller has left the bus.
     #[error("bus {bus} is off: its controller saw too many errors")]
     BusOff {

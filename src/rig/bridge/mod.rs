@@ -6,6 +6,7 @@ mod measure;
 mod operator;
 mod output;
 mod queue;
+mod quiet;
 mod slack;
 mod startup;
 mod state;
@@ -34,6 +35,14 @@ use crate::robot::{CABLES, Geometry, PerCable, Pose};
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
+    /// For another master; nothing is sent.
+    Listening {
+        since: Nanoseconds,
+    },
+    /// Zero torque, voltage off.
+    Quieting {
+        since: Nanoseconds,
+    },
     Configuring,
     Homing {
         since: Nanoseconds,
@@ -123,6 +132,7 @@ pub struct Bridge {
     pending: Option<Fault>,
     /// The first since the last reset.
     fault: Option<Fault>,
+    has_spoken: bool,
     /// Whether nodes are Operational and torques are sent.
     is_running: bool,
     is_resetting_drives: bool,
@@ -155,7 +165,7 @@ impl Bridge {
             torque_frames: config.torque_frames(),
             geometry,
             peers,
-            mode: Mode::Configuring,
+            mode: Mode::Listening { since: 0 },
             time: 0,
             offset: 0,
             is_started: false,
@@ -169,6 +179,7 @@ impl Bridge {
             answer: None,
             pending: None,
             fault: None,
+            has_spoken: false,
             is_running: false,
             is_resetting_drives: false,
             is_shutting_down: false,
@@ -195,7 +206,7 @@ impl Bridge {
     /// What it is doing.
     pub fn state(&self) -> State {
         match self.mode {
-            Mode::Configuring => State::Configuring,
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring => State::Configuring,
             Mode::Homing { .. } => State::Homing,
             Mode::TakingUpSlack { .. } => State::TakingUpSlack,
             Mode::Ready => State::Ready,
@@ -221,6 +232,7 @@ impl Bridge {
     /// Takes in a frame from a bus, seen at `now`. To be called in the order of arrival, before the cycle that shall know of it.
     pub fn on_frame(&mut self, bus: usize, frame: &Frame, now: Nanoseconds) {
         let now = now + self.offset;
+        self.watch_masters(bus, frame);
         if frame.kind() == FrameKind::Error {
             if frame.id() & error_class::BUS_OFF != 0 {
                 self.raise(Fault::BusOff { bus });
@@ -281,7 +293,8 @@ impl Bridge {
     }
 
     fn on_heartbeat(&mut self, bus: usize, node: Node, state: NmtState, now: Nanoseconds) {
-        if matches!(self.mode, Mode::Shadow { .. }) {
+        // What nodes were doing before they are reset means nothing.
+        if matches!(self.mode, Mode::Shadow { .. } | Mode::Listening { .. } | Mode::Quieting { .. }) {
             return;
         }
         let is_configuring = self.mode == Mode::Configuring;
@@ -345,9 +358,13 @@ impl Bridge {
             | Mode::Enabled { .. }
             | Mode::Stopping { .. }
             | Mode::Safe(_) => true,
-            Mode::Configuring | Mode::Homing { .. } | Mode::Fault(_) | Mode::Off | Mode::Shadow { .. } => {
-                false
-            }
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Fault(_)
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
         }
     }
 
@@ -357,9 +374,13 @@ impl Bridge {
             Mode::TakingUpSlack { step, .. } => step.is_some(),
             Mode::Ready | Mode::Enabled { .. } => true,
             Mode::Stopping { to, .. } | Mode::Safe(to) => to.is_some(),
-            Mode::Configuring | Mode::Homing { .. } | Mode::Fault(_) | Mode::Off | Mode::Shadow { .. } => {
-                false
-            }
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Fault(_)
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
         }
     }
 
@@ -377,7 +398,9 @@ impl Bridge {
             self.time = time;
             self.next_heartbeat = time;
             self.events.push(time, Event::Entered(self.state()));
-            self.peers.iter_mut().for_each(|peer| peer.startup.restart(time));
+            if let Mode::Listening { since } = &mut self.mode {
+                *since = time;
+            }
             return;
         }
         if time <= self.time {

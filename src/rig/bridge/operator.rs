@@ -109,16 +109,15 @@ impl Bridge {
         Ok(())
     }
 
-    /// Everything anew; the drives lose their torque.
+    /// Everything anew; the drives lose their torque. Who never was alone on the buses listens once more.
     fn reset(&mut self) {
         self.is_running = false;
         self.is_resetting_drives = true;
         self.is_released = true;
         (self.pending, self.fault) = (None, None);
         (self.drives, self.cells) = Default::default();
-        let time = self.time;
-        self.peers.iter_mut().for_each(|peer| peer.startup.restart(time));
-        self.enter(Mode::Configuring);
+        let since = self.time;
+        self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }
 
     /// What time and nodes bring about when nothing is wrong.
@@ -128,6 +127,8 @@ impl Bridge {
                 self.take_references();
                 self.mode = Mode::Shadow { is_homed: true };
             }
+            Mode::Listening { since } => self.listen(since),
+            Mode::Quieting { since } => self.quiet(since),
             Mode::Configuring => self.configure(out),
             Mode::Homing { since } => self.reset_drives(since),
             Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),

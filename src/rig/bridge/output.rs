@@ -14,7 +14,9 @@ impl Bridge {
         const NOTHING: PerCable<f64> = [0.0; CABLES];
         match self.mode {
             Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| answer.motor_tension), Demand::Off),
-            Mode::Configuring | Mode::Off => (NOTHING, Demand::Off),
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
+                (NOTHING, Demand::Off)
+            }
             Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
             Mode::Homing { .. } => (NOTHING, Demand::Off),
             Mode::TakingUpSlack { step, .. } => {
@@ -40,12 +42,13 @@ impl Bridge {
     }
 
     /// Each winch resists by itself what its cable does: constant tensions alone let the platform turn over at some poses. One whose
-    /// encoder failed cannot.
+    /// encoder failed cannot, and while a value is missing, nothing is made of lengths that were not measured.
     fn stiffened(&self, held: &Held) -> PerCable<f64> {
         let (safe, most) = (&self.config.safe, self.config.controller.max_tension);
         std::array::from_fn(|i| {
             let encoder = &self.drives[i].encoder;
-            let resistance = safe.stiffness * (encoder.length - held.length[i]) + safe.damping * encoder.rate;
+            let (length, rate) = encoder.last_measured();
+            let resistance = safe.stiffness * (length - held.length[i]) + safe.damping * rate;
             let resistance = if encoder.has_failed { 0.0 } else { resistance };
             (held.tension[i] + resistance).clamp(0.0, most)
         })
@@ -63,10 +66,11 @@ impl Bridge {
         let torque: PerCable<i16> =
             std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
         self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
-        if matches!(self.mode, Mode::Shadow { .. }) {
+        if !self.has_spoken {
             return torque;
         }
-        if self.is_running {
+        let has_process_data = self.is_running || matches!(self.mode, Mode::Quieting { .. });
+        if has_process_data {
             for (bus, id, slots) in &self.torque_frames {
                 let word = self.control_word(slots, demand);
                 if let Some(frame) = torque_frame(*id, slots, word, &torque) {
@@ -75,7 +79,7 @@ impl Bridge {
             }
         }
         for bus in 0..self.config.buses.len() {
-            if self.is_running {
+            if has_process_data {
                 out.push(bus, sync());
             }
             if self.time >= self.next_heartbeat {

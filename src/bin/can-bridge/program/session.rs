@@ -265,7 +265,8 @@ impl<'a> Session<'a> {
     fn cut_off(&mut self, why: &'static str) -> End {
         self.note(why);
         let period = self.bridge.config().period;
-        for _ in 0..if self.is_dry { 0 } else { CUT_OFF_CYCLES } {
+        // Before that the drives are somebody else's.
+        for _ in 0..if self.bridge.has_spoken() { CUT_OFF_CYCLES } else { 0 } {
             for (bus, id, slots) in self.bridge.config().torque_frames() {
                 // A control word of 0 and no torque.
                 let bytes = 2 + 2 * slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
