@@ -298,6 +298,12 @@ fn after_kill_the_drives_stop_by_themselves_and_the_recording_can_be_replayed() 
     let lab = Lab::start();
     let mut program = Program::start(&lab.device, &[]);
     program.move_away();
+    // Long enough that every file was handed to the system.
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(2) {
+        program.tell("enable");
+        thread::sleep(Duration::from_millis(50));
+    }
     program.signal("KILL");
     assert_eq!(program.exit_code(), None);
     let begun = Instant::now();
@@ -308,6 +314,12 @@ fn after_kill_the_drives_stop_by_themselves_and_the_recording_can_be_replayed() 
     assert!(lab.all_drives_are(DriveState::Fault), "their heartbeat consumers (0x1016) act");
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
+    // Whole rows only, and the report opens it.
+    for name in ["frames.log", "inputs.csv", "cycles.csv", "run.csv"] {
+        let text = fs::read_to_string(program.run_folder().join(name)).unwrap();
+        assert!(text.ends_with('\n'), "{name} ends with {:?}", text.lines().last());
+    }
+    RunFolder::read(&program.run_folder()).unwrap();
 }
 
 #[test]
@@ -459,6 +471,26 @@ fn a_dry_run_computes_beside_another_controller_and_sends_nothing() {
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
     println!("{said}");
+}
+
+#[test]
+fn an_earlier_recording_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = folder.path().join("rig-file.toml");
+    fs::write(&rig, rig_text()).unwrap();
+    for name in ["cycles.csv", "run.csv"] {
+        let run = folder.path().join(name.replace('.', "-"));
+        fs::create_dir(&run).unwrap();
+        fs::write(run.join(name), "precious").unwrap();
+        // No such bus: it must not even be opened.
+        let record = format!("--record={}", run.display());
+        let output = can_bridge(&[rig.to_str().unwrap(), "--bus=can0=slcan:/nowhere", &record]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(&format!("already holds a recording ({name})")), "{said}");
+        assert_eq!(fs::read_to_string(run.join(name)).unwrap(), "precious");
+        assert_eq!(fs::read_dir(&run).unwrap().count(), 1);
+    }
 }
 
 #[test]

@@ -63,7 +63,7 @@ struct Arguments {
     /// Goals of a scenario file, timed from the first time the controller pulls
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// Records every frame, cycle and command, and a run for `cable-robot report`, into this folder
+    /// Records every frame, cycle and command, and a run for `cable-robot report`, into this folder, which holds no recording yet
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// Writes the status for machines, a JSON object a line, into this file; - is stdout
@@ -156,6 +156,7 @@ fn drive(
     config: Config,
     mut controller: FmuController,
 ) -> Result<Outcome> {
+    arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
     let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, &config))?;
     let mut links = vec![];
     for bus in &config.buses {
