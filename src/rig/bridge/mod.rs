@@ -101,6 +101,8 @@ struct Peer {
 struct DriveMonitor {
     state: Option<DriveState>,
     encoder: Encoder,
+    /// Left Operation enabled while it was to stay there, since the last reset: it pulls nothing any more.
+    has_left: bool,
 }
 
 /// The bridge with all its memory. After [`Bridge::new`] nothing is allocated any more.

@@ -63,6 +63,11 @@ impl Bridge {
     /// Torques, SYNC and heartbeat of this cycle. Says what torques the drives are told, ‰.
     pub(super) fn send(&mut self, out: &mut FrameQueue) -> PerCable<i16> {
         let (tension, demand) = self.command();
+        for drive in &mut self.drives {
+            drive.has_left |= demand == Demand::Keep && drive.state != Some(DriveState::OperationEnabled);
+        }
+        let tension: PerCable<f64> =
+            std::array::from_fn(|i| if self.drives[i].has_left { 0.0 } else { tension[i] });
         let torque: PerCable<i16> =
             std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
         self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
@@ -93,7 +98,8 @@ impl Bridge {
     }
 
     /// One control word for the drives that share a frame: upwards the one that the last of them needs, else the one that acts.
-    /// A drive in Fault neither holds the others back nor needs to be told.
+    /// A drive in Fault neither holds the others back nor needs to be told. One that fell out to Switched on is led up again by the word
+    /// that keeps the others enabled, since CiA 402 has no other; that is why it is told no torque.
     fn control_word(&self, slots: &[Option<usize>; 3], demand: Demand) -> u16 {
         let states = || slots.iter().flatten().filter_map(|i| self.drives[*i].state);
         match demand {

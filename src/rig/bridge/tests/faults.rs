@@ -444,3 +444,19 @@ fn a_clock_that_goes_back_while_nothing_moves_does_no_harm() {
         out.frames().iter().for_each(|(bus, frame)| bench.rig.on_frame(*bus, frame, now, &mut coming));
     }
 }
+
+/// CiA 402 has no control word that keeps one drive enabled and does not lead up another that shares its frame.
+#[test]
+fn a_drive_that_fell_out_pulls_nothing_even_if_the_word_it_shares_leads_it_up() {
+    for text in [on_two_buses(), AKD.to_owned()] {
+        let mut bench = moving(with_noise(Config::parse(&text).unwrap()), 0.4);
+        bench.suffer("drive 2 blocked").unwrap();
+        bench.run(1.0);
+        assert_eq!(bench.bridge.state(), State::Fault);
+        assert_eq!(bench.bridge.fault, Some(Fault::DriveLeft { node: 2, state: DriveState::SwitchedOn }));
+        bench.suffer("drive 2 well").unwrap();
+        bench.run(1.0);
+        let pulls = bench.rig.motor_tension();
+        assert!(pulls[1] == 0.0 && pulls[0] > 1.0 && pulls[2] > 1.0, "{pulls:?}");
+    }
+}

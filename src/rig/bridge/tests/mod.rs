@@ -71,8 +71,8 @@ fn the_same_inputs_give_the_same_bits() {
     assert_eq!(run(), run());
 }
 
-#[test]
-fn shared_frames_and_two_buses_carry_the_same_move() {
+/// Three drives share a frame, and a bus.
+fn on_two_buses() -> String {
     let mut text = AKD.replacen("[[buses]]", "[[buses]]\nname = \"can1\"\nbit_rate = 1e6\n\n[[buses]]", 1);
     for (node, (id, slot)) in
         (1..).zip([("0x201", 1), ("0x201", 2), ("0x201", 3), ("0x204", 1), ("0x204", 2), ("0x204", 3)])
@@ -85,6 +85,12 @@ fn shared_frames_and_two_buses_carry_the_same_move() {
             &format!("bus = \"{bus}\"\nnode = {node}\ntorque_frame = {{ id = {id}, slot = {slot} }}\n"),
         );
     }
+    text
+}
+
+#[test]
+fn shared_frames_and_two_buses_carry_the_same_move() {
+    let mut text = on_two_buses();
     for (cell, (bus, node)) in
         (11..).zip([("can1", 11), ("can1", 11), ("can1", 11), ("can0", 14), ("can0", 14), ("can0", 14)])
     {
