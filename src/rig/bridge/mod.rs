@@ -18,6 +18,7 @@ pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
+use fault::FaultList;
 use measure::{CellMonitor, Encoder};
 use slack::SlackStep;
 use startup::Startup;
@@ -131,7 +132,9 @@ pub struct Bridge {
     certified: PerCable<f64>,
     answer: Option<ControllerOutputs>,
     /// Found since the last cycle.
-    pending: Option<Fault>,
+    pending: FaultList,
+    /// Told since the last reset.
+    told_faults: FaultList,
     /// The first since the last reset.
     fault: Option<Fault>,
     has_spoken: bool,
@@ -179,7 +182,8 @@ impl Bridge {
             still_since: Default::default(),
             certified: [0.0; CABLES],
             answer: None,
-            pending: None,
+            pending: FaultList::default(),
+            told_faults: FaultList::default(),
             fault: None,
             has_spoken: false,
             is_running: false,
@@ -223,12 +227,7 @@ impl Bridge {
 
     /// The next thing to log, with its time.
     pub fn take_event(&mut self) -> Option<(Nanoseconds, Event)> {
-        self.events.pop()
-    }
-
-    /// Events that were lost because nobody took them.
-    pub fn lost_events(&self) -> u64 {
-        self.events.lost
+        self.events.pop(self.time)
     }
 
     /// Takes in a frame from a bus, seen at `now`. To be called in the order of arrival, before the cycle that shall know of it.
@@ -279,10 +278,10 @@ impl Bridge {
         self.watch_drives();
         self.follow_pose();
         self.answer = None;
-        if self.pending.is_none() && self.asks_the_controller() {
+        if self.pending.is_empty() && self.asks_the_controller() {
             self.ask(controller);
         }
-        if let Some(fault) = self.pending.take() {
+        for fault in std::mem::take(&mut self.pending).iter() {
             self.fail(fault);
         }
         self.proceed(out);
@@ -341,9 +340,9 @@ impl Bridge {
         }
     }
 
-    /// Notes a fault for the next cycle; the first one counts.
+    /// Notes a fault for the next cycle.
     fn raise(&mut self, fault: Fault) {
-        self.pending.get_or_insert(fault);
+        self.pending.insert(fault);
     }
 
     fn expect(&mut self, result: Result<(), Fault>) {
@@ -360,11 +359,11 @@ impl Bridge {
             | Mode::Enabled { .. }
             | Mode::Stopping { .. }
             | Mode::Safe(_) => true,
+            Mode::Fault(pull) => pull.is_some(),
             Mode::Listening { .. }
             | Mode::Quieting { .. }
             | Mode::Configuring
             | Mode::Homing { .. }
-            | Mode::Fault(_)
             | Mode::Off
             | Mode::Shadow { .. } => false,
         }
@@ -375,12 +374,11 @@ impl Bridge {
         match self.mode {
             Mode::TakingUpSlack { step, .. } => step.is_some(),
             Mode::Ready | Mode::Enabled { .. } => true,
-            Mode::Stopping { to, .. } | Mode::Safe(to) => to.is_some(),
+            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
             Mode::Listening { .. }
             | Mode::Quieting { .. }
             | Mode::Configuring
             | Mode::Homing { .. }
-            | Mode::Fault(_)
             | Mode::Off
             | Mode::Shadow { .. } => false,
         }

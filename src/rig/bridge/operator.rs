@@ -114,7 +114,7 @@ impl Bridge {
         self.is_running = false;
         self.is_resetting_drives = true;
         self.is_released = true;
-        (self.pending, self.fault) = (None, None);
+        (self.pending, self.told_faults, self.fault) = Default::default();
         (self.drives, self.cells) = Default::default();
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
@@ -211,13 +211,16 @@ impl Bridge {
     }
 
     pub(super) fn fail(&mut self, fault: Fault) {
-        match self.mode {
-            Mode::Fault(_) | Mode::Off | Mode::Stopping { is_fault: true, .. } => return,
-            _ => {}
+        // With the torque off there is nothing left to lose.
+        if matches!(self.mode, Mode::Fault(None) | Mode::Off) {
+            return;
         }
-        self.events.push(self.time, Event::Fault(fault));
+        if self.told_faults.insert(fault) {
+            self.events.push(self.time, Event::Fault(fault));
+        }
         self.fault.get_or_insert(fault);
         match self.mode {
+            Mode::Fault(_) | Mode::Stopping { is_fault: true, .. } => {}
             Mode::Enabled { .. } => self.stop(Cause::Fault(fault)),
             Mode::Stopping { since, from, to, .. } => {
                 self.mode = Mode::Stopping { since, from, to, is_fault: true }

@@ -147,5 +147,6 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
+        Event::Lost(count) => format!("{count} more emergency messages came at once"),
     }
 }

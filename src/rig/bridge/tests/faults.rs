@@ -460,3 +460,41 @@ fn a_drive_that_fell_out_pulls_nothing_even_if_the_word_it_shares_leads_it_up() 
         assert!(pulls[1] == 0.0 && pulls[0] > 1.0 && pulls[2] > 1.0, "{pulls:?}");
     }
 }
+
+#[test]
+fn what_fails_after_the_first_fault_is_logged_once_each() {
+    let mut bench = moving(bench(), 0.4);
+    bench.rig.drives[2].faults.is_silent = true;
+    bench.run(1.0);
+    assert_eq!(bench.bridge.state(), State::Fault);
+    bench.rig.drives[5].node.faults.no_heartbeat = true;
+    bench.run(0.5);
+    for _ in 0..10 {
+        bench.bridge.on_transport_error(0, TransportError::Down);
+        bench.cycle();
+    }
+    let faults: Vec<_> = bench.events.iter().filter(|(_, event)| matches!(event, Event::Fault(_))).collect();
+    println!("{faults:?}");
+    let expected = [
+        Fault::EncoderSilent { cable: 3 },
+        Fault::HeartbeatLost { node: 6 },
+        Fault::Transport { bus: 0, error: TransportError::Down },
+    ];
+    for fault in expected {
+        assert_eq!(faults.iter().filter(|(_, event)| *event == Event::Fault(fault)).count(), 1, "{fault}");
+    }
+    assert_eq!(bench.bridge.fault, Some(Fault::EncoderSilent { cable: 3 }));
+}
+
+#[test]
+fn a_burst_of_emergency_messages_hides_neither_the_fault_nor_the_state() {
+    let mut bench = moving(bench(), 0.4);
+    for _ in 0..300 {
+        bench.inject(0, Emergency { node: 3, code: 0x2310, register: 1, maker: [0; 5] }.frame());
+    }
+    bench.cycle();
+    let has = |wanted: fn(&Event) -> bool| bench.events.iter().any(|(_, event)| wanted(event));
+    assert!(has(|event| matches!(event, Event::Fault(Fault::Emergency(_)))));
+    assert!(has(|event| *event == Event::Entered(State::Stopping)));
+    assert!(has(|event| *event == Event::Lost(300 - 64)));
+}
