@@ -26,7 +26,7 @@ PATIENT = {
     "drive_watchdog": 0.5,
     "service": 2.0,
     "enable": 5.0,
-    "lost_cycles": 20,
+    "lost_cycles": 10,
     "disagreement_time": 1.0,
     "fmu": f'"{ROOT}/target/fmu/fmi3/CableRobotController.fmu"',
 }

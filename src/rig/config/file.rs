@@ -1,5 +1,7 @@
 //! The file as it is written, and the way from there to a [`Config`].
 
+mod together;
+
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -13,7 +15,7 @@ use super::{
 use crate::rig::canopen::{self, Node, Object, Value, Width};
 use crate::rig::cia402::Winch;
 use crate::rig::load_cell::{Encoding, LoadCell};
-use crate::robot::{CABLES, Coordinates, Geometry, PerCable, Pose, RobotParameters};
+use crate::robot::{CABLES, Coordinates, PerCable, Pose, RobotParameters};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,7 +43,7 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BusEntry {
-    name: String,
+    name: Spanned<String>,
     bit_rate: Spanned<f64>,
 }
 
@@ -165,8 +167,8 @@ pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
         load_cells: load_cells(&check, &file, &buses)?,
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
         home: home(&check, &file.home)?,
-        slack: slack(&check, &file, &controller)?,
-        limits: limits(&check, &file)?,
+        slack: slack(&check, &file.slack)?,
+        limits: limits(&check, &file.limits)?,
         safe: Safe {
             output: file.safe.output,
             ramp: check.time(&file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
@@ -174,10 +176,10 @@ pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
             damping: check.within(&file.safe.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
         },
         controller,
-        name: file.name,
+        name: file.name.clone(),
         buses,
     };
-    nodes_are_different(&check, &config, file.drives.get_ref(), file.load_cells.get_ref())?;
+    together::check(&check, &file, &config)?;
     Ok(config)
 }
 
@@ -190,7 +192,7 @@ fn buses(check: &Check, file: &File) -> Result<Vec<Bus>, ConfigError> {
     let bus = |(k, entry): (usize, &BusEntry)| {
         let field = format!("buses[{}].bit_rate", k + 1);
         let bit_rate = check.within(&entry.bit_rate, &field, 1e4..=1e6, "bit/s")?;
-        Ok(Bus { name: entry.name.clone(), bit_rate })
+        Ok(Bus { name: entry.name.get_ref().clone(), bit_rate })
     };
     entries.iter().enumerate().map(bus).collect()
 }
@@ -214,43 +216,15 @@ fn timeouts(check: &Check, entry: &TimeoutEntry) -> Result<Timeouts, ConfigError
     })
 }
 
-fn slack(check: &Check, file: &File, controller: &ControllerConfig) -> Result<Slack, ConfigError> {
-    let entry = &file.slack;
-    let pretension = check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?;
-    let most = greatest_pretension(&home(check, &file.home)?, controller);
-    if pretension > most {
-        let allowed = format!(
-            "must be from 0.1 to {most:.3} N: one cable after the other pulls twice of it, and the platform must stay on its stand"
-        );
-        let offset = entry.pretension.span().start;
-        return Err(check.refuse(offset, "slack.pretension", pretension, allowed));
-    }
+fn slack(check: &Check, entry: &SlackEntry) -> Result<Slack, ConfigError> {
     Ok(Slack {
-        pretension,
+        pretension: check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?,
         ramp: check.time(&entry.ramp, "slack.ramp", 0.01..=60.0)?,
         most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
     })
 }
 
-/// With twice of it in one cable, neither `maxTension` nor the platform's weight is reached. N.
-fn greatest_pretension(home: &Pose, controller: &ControllerConfig) -> f64 {
-    let robot = &controller.robot;
-    let cables = Geometry::new(robot).cables(&home.position(), &home.rotation());
-    let lift = cables.direction.map(|direction| -direction.z);
-    let most = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
-    (0.5 * controller.max_tension).min(robot.m * robot.g / most)
-}
-
-fn limits(check: &Check, file: &File) -> Result<Limits, ConfigError> {
-    let (entry, pretension) = (&file.limits, *file.slack.pretension.get_ref());
-    let disagreement = *entry.disagreement.get_ref();
-    if disagreement >= pretension {
-        let allowed = format!(
-            "must be less than slack.pretension ({pretension} N), or a dead load cell is not noticed"
-        );
-        let offset = entry.disagreement.span().start;
-        return Err(check.refuse(offset, "limits.disagreement", disagreement, allowed));
-    }
+fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
     let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
     Ok(Limits {
         lost_cycles: check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=100, "cycles")?,
@@ -459,36 +433,4 @@ fn load_cell(check: &Check, entry: &CellEntry, i: usize, buses: &[Bus]) -> Resul
     };
     let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
     Ok(Cell { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, byte: 0, cell })
-}
-
-/// No address twice, on whatever bus: faults name nodes.
-fn nodes_are_different(
-    check: &Check,
-    config: &Config,
-    drives: &[DriveEntry],
-    cells: &[CellEntry],
-) -> Result<(), ConfigError> {
-    let mut taken: Vec<(Node, String)> = vec![(config.node, "the bridge".to_owned())];
-    let mut claim =
-        |node: Node, span: &Spanned<u32>, field: String| match taken.iter().find(|(n, _)| *n == node) {
-            Some((_, other)) => {
-                let allowed = format!("{other} has this address already");
-                Err(check.refuse(span.span().start, &format!("{field}.node"), node, allowed))
-            }
-            None => {
-                taken.push((node, field));
-                Ok(())
-            }
-        };
-    for i in 0..CABLES {
-        claim(config.drives[i].node, &drives[i].node, format!("drives[{}]", i + 1))?;
-    }
-    for i in 0..CABLES {
-        let (node, bus) = (config.load_cells[i].node, config.load_cells[i].bus);
-        match config.load_cells[..i].iter().find(|other| other.node == node) {
-            Some(same) if same.bus == bus => {}
-            _ => claim(node, &cells[i].node, format!("load_cells[{}]", i + 1))?,
-        }
-    }
-    Ok(())
 }

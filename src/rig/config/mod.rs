@@ -340,6 +340,36 @@ pub(crate) mod tests {
             ("maxTension = 60.0", "maxTension = false", "controller.parameters.maxTension = Boolean(false)"),
             ("maxTension = 60.0", "b = 2.0", "controller.parameters.b = 2"),
             ("value = 1000", "value = 4294967296", "drive_objects[1].value = 4294967296"),
+            (
+                "torque_limit = 1.6",
+                "torque_limit = 1.4",
+                "drives[1].torque_limit = 1.4 is not allowed: must be at least 1.5 N m for maxTension (60 N)",
+            ),
+            (
+                "home = [0.0, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold with 0 to 60 N",
+            ),
+            (
+                "[[buses]]",
+                "[[buses]]\nname = \"can0\"\nbit_rate = 1e6\n\n[[buses]]",
+                "buses[2].name = can0 is not allowed: buses[1] has this name already",
+            ),
+            (
+                "index = 0x605A",
+                "index = 0x6040",
+                "object = 0x6040:0 is not allowed: the bridge sets this object itself",
+            ),
+            (
+                "rate = 250.0",
+                "rate = 19.0",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.26",
+            ),
+            (
+                "lost_cycles = 4",
+                "lost_cycles = 24",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.1 s",
+            ),
         ] {
             let refusal = refusal(from, to);
             assert!(refusal.starts_with("line ") && refusal.contains(said), "{refusal}");
@@ -365,6 +395,13 @@ pub(crate) mod tests {
     #[test]
     fn readings_of_one_amplifier_follow_each_other() {
         let text = AKD.replace("node = 12\n", "node = 11\n");
+        let same = Config::parse(&text).unwrap_err().to_string();
+        assert!(same.contains("load_cells[2].index, subindex = 0x6130:1 is not allowed"), "{same}");
+        let text = text.replacen(
+            "node = 11\nindex = 0x6130\nsubindex = 1",
+            "node = 11\nindex = 0x6130\nsubindex = 2",
+            1,
+        );
         let config = Config::parse(&text).unwrap();
         assert_eq!((config.load_cells[0].byte, config.load_cells[1].byte), (0, 4));
         let three = text.replace("node = 13\n", "node = 11\n");
