@@ -282,9 +282,19 @@ fn the_papers_move_is_made_recorded_and_replayed_bit_for_bit() {
     assert_eq!(code, Some(0), "{said}");
     println!("{said}");
 
-    // One encoder's count more in one frame, and the replay commands something else.
+    // A log that was cut in a line is replayed as far as it goes, one without frames shows nothing.
     let path = program.run_folder().join("frames.log");
     let log = fs::read_to_string(&path).unwrap();
+    fs::write(&path, &log[..log.rfind(" T\n").unwrap() - 10]).unwrap();
+    let (code, said) = replay(&program.run_folder());
+    assert!(code == Some(0) && said.contains("frames.log ends within this cycle"), "{said}");
+    fs::write(&path, "").unwrap();
+    let (code, said) = replay(&program.run_folder());
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("frames.log holds none of the frames that cycles.csv tells of"), "{said}");
+    fs::write(&path, &log).unwrap();
+
+    // One encoder's count more in one frame, and the replay commands something else.
     let place = log.match_indices(" 182#").nth(600).unwrap().0 + 5 + 4;
     let digit = if log[place..].starts_with('0') { "8" } else { "0" };
     fs::write(&path, format!("{}{digit}{}", &log[..place], &log[place + 1..])).unwrap();

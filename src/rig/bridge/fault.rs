@@ -194,7 +194,7 @@ pub enum Fault {
         error: TransportError,
     },
     /// The controller returned an error.
-    #[error("the controller failed")]
+    #[error("the controller failed, and no reset brings it back: start the program anew")]
     ControllerFailed,
     /// The controller says that its measurements make no sense.
     #[error("the controller reports a sensor fault")]

@@ -117,7 +117,11 @@ impl Bridge {
         let inputs = ControllerInputs {
             encoder_pose: self.pose,
             cable_length: self.lengths(),
-            measured_tension: self.cells.map(|cell| cell.tension()),
+            // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
+            measured_tension: match self.mode {
+                Mode::Shadow { .. } => self.told,
+                _ => self.cells.map(|cell| cell.tension()),
+            },
             goal_pose: if enable { self.goal } else { self.pose },
             enable,
         };

@@ -37,7 +37,8 @@ use terminal::say;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 3 the rate does not fit on the bus;
-4 the replay gives other commands than the recording; 5 ended after a fault; 6 the torque was cut off at once (second
+4 the replay gives other commands than the recording; 5 ended after a fault, or the
+drives do not confirm that they are off; 6 the torque was cut off at once (second
 signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole.
 Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
 

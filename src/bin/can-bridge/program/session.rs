@@ -28,7 +28,7 @@ const CUT_OFF_CYCLES: u32 = 3;
 pub enum End {
     /// As asked, in safety.
     Asked,
-    /// As asked, but there had been a fault.
+    /// As asked, but there had been a fault, or the drives do not confirm that they are off.
     Faulted,
     /// With the torque cut off.
     CutOff,
@@ -146,7 +146,7 @@ impl<'a> Session<'a> {
         }
         self.cycles_off += 1;
         // The frames of the first cycle in Off are still to be answered.
-        let is_confirmed = self.cycles_off > CUT_OFF_CYCLES && self.bridge.is_off();
+        let is_confirmed = self.is_dry || self.cycles_off > CUT_OFF_CYCLES && self.bridge.is_off();
         let has_waited = self.cycles_off > LAST_CYCLES;
         if !is_confirmed && !has_waited {
             return None;
@@ -156,8 +156,8 @@ impl<'a> Session<'a> {
         }
         Some(match (self.has_failed, report.fault) {
             (true, _) => End::CutOff,
-            (false, Some(_)) => End::Faulted,
-            (false, None) => End::Asked,
+            (false, None) if is_confirmed => End::Asked,
+            (false, _) => End::Faulted,
         })
     }
 
@@ -173,8 +173,11 @@ impl<'a> Session<'a> {
         if self.is_stopping && self.cycles_off == 0 && self.bridge.state() != State::Stopping {
             self.obey(OperatorCommand::Shutdown, time);
         }
-        while let Ok(command) = self.commands.pop() {
-            self.obey(command, time);
+        // No more than wait now: who gives them faster is not waited for.
+        for _ in 0..self.commands.slots() {
+            if let Ok(command) = self.commands.pop() {
+                self.obey(command, time);
+            }
         }
         if let Some(goal) = self.timetable.due(self.bridge.state(), time) {
             self.obey(OperatorCommand::Goal(goal), time);

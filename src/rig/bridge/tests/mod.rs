@@ -144,6 +144,34 @@ fn a_shadow_computes_the_same_and_sends_nothing() {
     assert!(compared > 1000, "{compared}");
 }
 
+/// Beside another controller that moves the platform elsewhere: what the shadow would pull moves nothing.
+#[test]
+fn a_shadows_force_loop_does_not_wind_up() {
+    let mut bench = bench();
+    assert!(bench.start());
+    bench.run(1.0);
+    let parameters = bench.parameters();
+    let mut shadows = [true, false].map(|force_loop| {
+        let controller =
+            LibraryController::new(crate::plan::ControllerParameters { force_loop, ..parameters });
+        (Bridge::shadow(config()), controller)
+    });
+    let mut out = FrameQueue::new();
+    bench.run(0.1);
+    bench.go_to(0.03, 0.0, 1.0);
+    let mut apart = 0.0f64;
+    for _ in 0..3000 {
+        bench.cycle();
+        let [with, without] = shadows.each_mut().map(|(shadow, controller)| {
+            bench.heard().iter().for_each(|(bus, frame)| shadow.on_frame(*bus, frame, bench.now));
+            shadow.cycle(bench.now, controller, &mut out).tension
+        });
+        apart = (0..CABLES).map(|i| (with[i] - without[i]).abs()).fold(0.0, f64::max);
+    }
+    println!("the force loop adds {apart:.2} N");
+    assert!(apart < 1.0, "{apart} N");
+}
+
 /// A frame that may be anything, most often one that the bridge listens to.
 fn any_frame(random: &mut rand_pcg::Pcg64) -> Frame {
     use rand::RngExt;
