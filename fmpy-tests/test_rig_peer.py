@@ -23,10 +23,10 @@ PATIENT = {
     "rate": 25.0,
     "period": 0.05,
     "timeout": 1.5,
-    "drive_watchdog": 0.5,
+    "drive_watchdog": 1.0,
     "service": 2.0,
     "enable": 5.0,
-    "lost_cycles": 10,
+    "lost_cycles": 20,
     "disagreement_time": 1.0,
     "fmu": f'"{ROOT}/target/fmu/fmi3/CableRobotController.fmu"',
 }
