@@ -56,7 +56,7 @@ def test_load_cells_that_differ_are_read_as_they_are(dbc, tmp_path):
     for k, encoding in enumerate(("i16", "i24", "i32", "f32")):
         cells[k] = cells[k].replace('"f32"', f'"{encoding}"').replace("scale = 1.0", "scale = 0.01").replace("offset = 0.0", "offset = -2.0")
     # The second and third on one amplifier.
-    cells[2] = cells[2].replace("node = 13", "node = 12")
+    cells[2] = cells[2].replace("node = 13", "node = 12").replace("subindex = 1", "subindex = 2")
     rig = tmp_path / "rig.toml"
     rig.write_text("[[load_cells]]".join([head, *cells]))
     dbc = cantools.database.load_string(export(rig, "can0"), "dbc")

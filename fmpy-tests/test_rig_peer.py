@@ -23,7 +23,7 @@ PATIENT = {
     "rate": 25.0,
     "period": 0.05,
     "timeout": 1.5,
-    "drive_watchdog": 0.5,
+    "drive_watchdog": 1.0,
     "service": 2.0,
     "enable": 5.0,
     "lost_cycles": 20,

@@ -282,9 +282,19 @@ fn the_papers_move_is_made_recorded_and_replayed_bit_for_bit() {
     assert_eq!(code, Some(0), "{said}");
     println!("{said}");
 
-    // One encoder's count more in one frame, and the replay commands something else.
+    // A log that was cut in a line is replayed as far as it goes, one without frames shows nothing.
     let path = program.run_folder().join("frames.log");
     let log = fs::read_to_string(&path).unwrap();
+    fs::write(&path, &log[..log.rfind(" T\n").unwrap() - 10]).unwrap();
+    let (code, said) = replay(&program.run_folder());
+    assert!(code == Some(0) && said.contains("frames.log ends within this cycle"), "{said}");
+    fs::write(&path, "").unwrap();
+    let (code, said) = replay(&program.run_folder());
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("frames.log holds none of the frames that cycles.csv tells of"), "{said}");
+    fs::write(&path, &log).unwrap();
+
+    // One encoder's count more in one frame, and the replay commands something else.
     let place = log.match_indices(" 182#").nth(600).unwrap().0 + 5 + 4;
     let digit = if log[place..].starts_with('0') { "8" } else { "0" };
     fs::write(&path, format!("{}{digit}{}", &log[..place], &log[place + 1..])).unwrap();
@@ -298,6 +308,12 @@ fn after_kill_the_drives_stop_by_themselves_and_the_recording_can_be_replayed() 
     let lab = Lab::start();
     let mut program = Program::start(&lab.device, &[]);
     program.move_away();
+    // Long enough that every file was handed to the system.
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(2) {
+        program.tell("enable");
+        thread::sleep(Duration::from_millis(50));
+    }
     program.signal("KILL");
     assert_eq!(program.exit_code(), None);
     let begun = Instant::now();
@@ -308,6 +324,12 @@ fn after_kill_the_drives_stop_by_themselves_and_the_recording_can_be_replayed() 
     assert!(lab.all_drives_are(DriveState::Fault), "their heartbeat consumers (0x1016) act");
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
+    // Whole rows only, and the report opens it.
+    for name in ["frames.log", "inputs.csv", "cycles.csv", "run.csv"] {
+        let text = fs::read_to_string(program.run_folder().join(name)).unwrap();
+        assert!(text.ends_with('\n'), "{name} ends with {:?}", text.lines().last());
+    }
+    RunFolder::read(&program.run_folder()).unwrap();
 }
 
 #[test]
@@ -320,6 +342,20 @@ fn a_signal_while_moving_leads_to_the_safe_output_and_drives_that_are_off() {
     assert!(lab.all_drives_are(DriveState::SwitchOnDisabled));
     let said = program.messages();
     assert!(said.contains("Stopping") && said.contains("Off"), "{said}");
+}
+
+/// As a dying shell and the kernel do with SIGHUP, and `timeout` with SIGTERM.
+#[test]
+fn a_signal_that_comes_twice_at_once_does_not_drop_the_platform() {
+    for name in ["HUP", "TERM"] {
+        let lab = Lab::start();
+        let mut program = Program::start(&lab.device, &[]);
+        program.move_away();
+        program.signal(name);
+        program.signal(name);
+        assert_eq!(program.exit_code(), Some(0), "{name}: {}", program.messages());
+        assert!(program.messages().contains("Stopping"), "{name}: {}", program.messages());
+    }
 }
 
 #[test]
@@ -369,6 +405,45 @@ fn a_terminal_that_is_gone_does_not_drop_the_platform() {
     lab.unplug();
 }
 
+/// A pipe that is full: whatever is written there waits for ever.
+#[test]
+fn an_output_that_nobody_reads_stops_neither_the_recording_nor_the_end() {
+    let lab = Lab::start();
+    let folder = tempfile::tempdir().unwrap();
+    let (rig, run) = (folder.path().join("rig.toml"), folder.path().join("run"));
+    fs::write(&rig, rig_text()).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_can-bridge"))
+        .arg(&rig)
+        .arg(format!("--bus=can0=slcan:{}", lab.device.display()))
+        .arg(format!("--record={}", run.display()))
+        .args(["--status", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // More than a pipe holds, each line answered on stderr; the status fills stdout.
+    let mut operator = child.stdin.take().unwrap();
+    let flood = thread::spawn(move || (0..3000).all(|_| writeln!(operator, "nonsense").is_ok()));
+    thread::sleep(Duration::from_secs(10));
+    let recorded = || fs::metadata(run.join("cycles.csv")).unwrap().len();
+    let before = recorded();
+    thread::sleep(Duration::from_secs(3));
+    let is_recording = recorded() > before;
+    Command::new("kill").arg(child.id().to_string()).status().unwrap();
+    let begun = Instant::now();
+    while child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(10) {
+        thread::sleep(Duration::from_millis(20));
+    }
+    let ended = child.try_wait().unwrap();
+    child.kill().unwrap();
+    assert!(is_recording, "cycles.csv stays at {before} bytes");
+    assert_eq!(ended.and_then(|status| status.code()), Some(7), "the status stream is not whole");
+    flood.join().unwrap();
+    let (code, said) = replay(&run);
+    assert_eq!(code, Some(0), "{said}");
+}
+
 #[test]
 fn a_dry_run_computes_beside_another_controller_and_sends_nothing() {
     let (mut adapter, device) = pseudo_terminal().unwrap();
@@ -409,6 +484,26 @@ fn a_dry_run_computes_beside_another_controller_and_sends_nothing() {
 }
 
 #[test]
+fn an_earlier_recording_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = folder.path().join("rig-file.toml");
+    fs::write(&rig, rig_text()).unwrap();
+    for name in ["cycles.csv", "run.csv"] {
+        let run = folder.path().join(name.replace('.', "-"));
+        fs::create_dir(&run).unwrap();
+        fs::write(run.join(name), "precious").unwrap();
+        // No such bus: it must not even be opened.
+        let record = format!("--record={}", run.display());
+        let output = can_bridge(&[rig.to_str().unwrap(), "--bus=can0=slcan:/nowhere", &record]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(&format!("already holds a recording ({name})")), "{said}");
+        assert_eq!(fs::read_to_string(run.join(name)).unwrap(), "precious");
+        assert_eq!(fs::read_dir(&run).unwrap().count(), 1);
+    }
+}
+
+#[test]
 fn check_prints_what_fits_and_a_kilohertz_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let check = |text: &str| {
@@ -441,6 +536,18 @@ fn check_prints_what_fits_and_a_kilohertz_is_refused() {
         assert_eq!(code, Some(1), "{to}");
         assert!(refused.contains(expected), "{to}: {refused}");
     }
+    let full = fs::File::create("/dev/full").unwrap();
+    let rig = folder.path().join("rig.toml");
+    fs::write(&rig, rig_text()).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_can-bridge"))
+        .arg(&rig)
+        .arg("--check")
+        .stdout(full)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("cannot write to stdout: No space left"), "{said}");
     let wrong = can_bridge(&["--replay", "x", "--check"]);
     assert_eq!(wrong.status.code(), Some(2));
 }

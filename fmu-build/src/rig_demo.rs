@@ -37,6 +37,9 @@ pub struct Wishes {
 pub fn run(wishes: &Wishes) -> Result<()> {
     let root = project_root();
     let folder = root.join("target/demo-rig");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).context("cannot remove the demo before")?;
+    }
     run_folder::make(&folder)?;
     pack::build()?;
     build(&root)?;

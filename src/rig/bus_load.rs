@@ -112,8 +112,9 @@ mod tests {
                 &format!("node = {node}\ntorque_frame = {{ id = {id}, slot = {slot} }}\ngear"),
             );
         }
-        for (cell, node) in (11..).zip([11, 11, 11, 14, 14, 14]) {
-            text = text.replace(&format!("node = {cell}\n"), &format!("node = {node}\n"));
+        for (cell, (node, channel)) in (11..).zip([(11, 1), (11, 2), (11, 3), (14, 1), (14, 2), (14, 3)]) {
+            let reading = |node, channel| format!("node = {node}\nindex = 0x6130\nsubindex = {channel}\n");
+            text = text.replace(&reading(cell, 1), &reading(node, channel));
         }
         Config::parse(&text.replace("\"f32\"", "\"i16\"")).unwrap()
     }

@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn what_shares_a_frame_stands_in_one_message_and_buses_are_apart() {
         let shared = AKD
-            .replace("node = 12\n", "node = 11\n")
+            .replace("node = 12\nindex = 0x6130\nsubindex = 1", "node = 11\nindex = 0x6130\nsubindex = 2")
             .replacen("node = 2\n", "node = 2\ntorque_frame = { id = 0x201, slot = 2 }\n", 1)
             .replacen("[heartbeat]", "[[buses]]\nname = \"can1\"\nbit_rate = 1e6\n\n[heartbeat]", 1)
             .replacen("bus = \"can0\"\nnode = 16", "bus = \"can1\"\nnode = 16", 1);

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::rig::Nanoseconds;
-use crate::rig::canopen::{Emergency, NmtState, Node, Object, sdo};
+use crate::rig::canopen::{self, Emergency, NmtState, Node, Object, sdo};
 use crate::rig::cia402::DriveState;
 
 /// Why the bridge gave up its controller's tensions, or never took them. Cables count from 1, buses from 0 as in the rig file.
@@ -150,8 +150,10 @@ pub enum Fault {
         /// N.
         commanded: f64,
     },
-    /// More cable came in than slack can be.
-    #[error("cable {cable} came in by {length:.3} m and is not taut: loose, or off its pulley")]
+    /// More cable came in, or went out, than slack can be.
+    #[error(
+        "cable {cable} came in by {length:.3} m and is not taut: loose, off its pulley, or (below 0) wound the other way round"
+    )]
     LooseCable {
         /// 1 to 6.
         cable: usize,
@@ -166,6 +168,16 @@ pub enum Fault {
     Tilted {
         /// The largest of roll, pitch and yaw, rad.
         angle: f64,
+    },
+    /// Somebody else sends what only the bridge may.
+    #[error(
+        "another master is on bus {bus}: it sent 0x{id:03X}, which only this bridge may; end one of them (or the adapter gives back what it is sent)"
+    )]
+    AnotherMaster {
+        /// Its place.
+        bus: usize,
+        /// SYNC, the bridge's heartbeat, or a torque frame.
+        id: u16,
     },
     /// The controller has left the bus.
     #[error("bus {bus} is off: its controller saw too many errors")]
@@ -182,7 +194,7 @@ pub enum Fault {
         error: TransportError,
     },
     /// The controller returned an error.
-    #[error("the controller failed")]
+    #[error("the controller failed, and no reset brings it back: start the program anew")]
     ControllerFailed,
     /// The controller says that its measurements make no sense.
     #[error("the controller reports a sensor fault")]
@@ -221,4 +233,74 @@ pub enum TransportError {
     /// ENODEV, or the other end closed.
     #[error("the link is gone")]
     Gone,
+}
+
+impl Fault {
+    /// Whether it is the same kind of fault of the same cable, node or bus.
+    fn is_again(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.place() == other.place()
+    }
+
+    /// Cable, node or bus, if it has one.
+    fn place(&self) -> usize {
+        use Fault::*;
+        match *self {
+            NoBoot { node }
+            | NoAnswer { node, .. }
+            | Refused { node, .. }
+            | Different { node, .. }
+            | ModeRefused { node, .. }
+            | DriveStuck { node, .. }
+            | DriveFault { node, .. }
+            | DriveLeft { node, .. }
+            | Emergency(canopen::Emergency { node, .. })
+            | Rebooted { node }
+            | HeartbeatLost { node }
+            | NotOperational { node, .. } => node.into(),
+            EncoderSilent { cable }
+            | EncoderFrozen { cable }
+            | EncoderJump { cable, .. }
+            | LoadCellSilent { cable }
+            | LoadCellStuck { cable }
+            | LoadCellAbsurd { cable, .. }
+            | LoadCellDisagrees { cable, .. }
+            | LooseCable { cable, .. }
+            | ControllerOutput { cable, .. } => cable,
+            AnotherMaster { bus, .. } | BusOff { bus } | Transport { bus, .. } => bus,
+            NoPose
+            | Tilted { .. }
+            | ControllerFailed
+            | ControllerSensorFault
+            | Overrun { .. }
+            | ClockBackwards { .. } => 0,
+        }
+    }
+}
+
+/// Faults, each once, in the order in which they came; of more than there is room for the last are left out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FaultList {
+    faults: [Option<Fault>; 32],
+}
+
+impl FaultList {
+    pub fn is_empty(&self) -> bool {
+        self.faults[0].is_none()
+    }
+
+    /// Whether it was not there yet, and is now.
+    pub fn insert(&mut self, fault: Fault) -> bool {
+        let is_its = |place: &&mut Option<Fault>| place.is_none_or(|known| known.is_again(&fault));
+        match self.faults.iter_mut().find(is_its) {
+            Some(place @ None) => {
+                *place = Some(fault);
+                true
+            }
+            Some(Some(_)) | None => false,
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
+        self.faults.iter().map_while(|fault| *fault)
+    }
 }

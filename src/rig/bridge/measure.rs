@@ -49,6 +49,11 @@ impl Encoder {
         self.counts.is_some() && self.missed <= limits.lost_cycles
     }
 
+    /// m, and m/s while values come.
+    pub fn last_measured(&self) -> (f64, f64) {
+        (self.true_length, if self.missed == 0 { self.rate } else { 0.0 })
+    }
+
     /// Once a cycle. `cable` counts from 1.
     pub fn update(
         &mut self,

@@ -6,6 +6,8 @@ mod measure;
 mod operator;
 mod output;
 mod queue;
+mod quiet;
+mod slack;
 mod startup;
 mod state;
 #[cfg(test)]
@@ -16,7 +18,9 @@ pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
+use fault::FaultList;
 use measure::{CellMonitor, Encoder};
+use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
 
@@ -32,14 +36,22 @@ use crate::robot::{CABLES, Geometry, PerCable, Pose};
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
+    /// For another master; nothing is sent.
+    Listening {
+        since: Nanoseconds,
+    },
+    /// Zero torque, voltage off.
+    Quieting {
+        since: Nanoseconds,
+    },
     Configuring,
     Homing {
         since: Nanoseconds,
     },
     TakingUpSlack {
         since: Nanoseconds,
-        ramp: Option<Nanoseconds>,
-        calm: u32,
+        /// None until all drives are enabled.
+        step: Option<SlackStep>,
     },
     Ready,
     /// First the weight is taken over from `from` to `lifted`, then the controller pulls.
@@ -90,6 +102,8 @@ struct Peer {
 struct DriveMonitor {
     state: Option<DriveState>,
     encoder: Encoder,
+    /// Left Operation enabled while it was to stay there, since the last reset: it pulls nothing any more.
+    has_left: bool,
 }
 
 /// The bridge with all its memory. After [`Bridge::new`] nothing is allocated any more.
@@ -118,9 +132,12 @@ pub struct Bridge {
     certified: PerCable<f64>,
     answer: Option<ControllerOutputs>,
     /// Found since the last cycle.
-    pending: Option<Fault>,
+    pending: FaultList,
+    /// Told since the last reset.
+    told_faults: FaultList,
     /// The first since the last reset.
     fault: Option<Fault>,
+    has_spoken: bool,
     /// Whether nodes are Operational and torques are sent.
     is_running: bool,
     is_resetting_drives: bool,
@@ -153,7 +170,7 @@ impl Bridge {
             torque_frames: config.torque_frames(),
             geometry,
             peers,
-            mode: Mode::Configuring,
+            mode: Mode::Listening { since: 0 },
             time: 0,
             offset: 0,
             is_started: false,
@@ -165,8 +182,10 @@ impl Bridge {
             still_since: Default::default(),
             certified: [0.0; CABLES],
             answer: None,
-            pending: None,
+            pending: FaultList::default(),
+            told_faults: FaultList::default(),
             fault: None,
+            has_spoken: false,
             is_running: false,
             is_resetting_drives: false,
             is_shutting_down: false,
@@ -193,7 +212,7 @@ impl Bridge {
     /// What it is doing.
     pub fn state(&self) -> State {
         match self.mode {
-            Mode::Configuring => State::Configuring,
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring => State::Configuring,
             Mode::Homing { .. } => State::Homing,
             Mode::TakingUpSlack { .. } => State::TakingUpSlack,
             Mode::Ready => State::Ready,
@@ -208,17 +227,13 @@ impl Bridge {
 
     /// The next thing to log, with its time.
     pub fn take_event(&mut self) -> Option<(Nanoseconds, Event)> {
-        self.events.pop()
-    }
-
-    /// Events that were lost because nobody took them.
-    pub fn lost_events(&self) -> u64 {
-        self.events.lost
+        self.events.pop(self.time)
     }
 
     /// Takes in a frame from a bus, seen at `now`. To be called in the order of arrival, before the cycle that shall know of it.
     pub fn on_frame(&mut self, bus: usize, frame: &Frame, now: Nanoseconds) {
         let now = now + self.offset;
+        self.watch_masters(bus, frame);
         if frame.kind() == FrameKind::Error {
             if frame.id() & error_class::BUS_OFF != 0 {
                 self.raise(Fault::BusOff { bus });
@@ -263,10 +278,10 @@ impl Bridge {
         self.watch_drives();
         self.follow_pose();
         self.answer = None;
-        if self.pending.is_none() && self.asks_the_controller() {
+        if self.pending.is_empty() && self.asks_the_controller() {
             self.ask(controller);
         }
-        if let Some(fault) = self.pending.take() {
+        for fault in std::mem::take(&mut self.pending).iter() {
             self.fail(fault);
         }
         self.proceed(out);
@@ -279,7 +294,8 @@ impl Bridge {
     }
 
     fn on_heartbeat(&mut self, bus: usize, node: Node, state: NmtState, now: Nanoseconds) {
-        if matches!(self.mode, Mode::Shadow { .. }) {
+        // What nodes were doing before they are reset means nothing.
+        if matches!(self.mode, Mode::Shadow { .. } | Mode::Listening { .. } | Mode::Quieting { .. }) {
             return;
         }
         let is_configuring = self.mode == Mode::Configuring;
@@ -324,9 +340,9 @@ impl Bridge {
         }
     }
 
-    /// Notes a fault for the next cycle; the first one counts.
+    /// Notes a fault for the next cycle.
     fn raise(&mut self, fault: Fault) {
-        self.pending.get_or_insert(fault);
+        self.pending.insert(fault);
     }
 
     fn expect(&mut self, result: Result<(), Fault>) {
@@ -343,21 +359,28 @@ impl Bridge {
             | Mode::Enabled { .. }
             | Mode::Stopping { .. }
             | Mode::Safe(_) => true,
-            Mode::Configuring | Mode::Homing { .. } | Mode::Fault(_) | Mode::Off | Mode::Shadow { .. } => {
-                false
-            }
+            Mode::Fault(pull) => pull.is_some(),
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
         }
     }
 
     /// Whether the drives are to be in Operation enabled by now.
     fn is_pulling(&self) -> bool {
         match self.mode {
-            Mode::TakingUpSlack { ramp, .. } => ramp.is_some(),
+            Mode::TakingUpSlack { step, .. } => step.is_some(),
             Mode::Ready | Mode::Enabled { .. } => true,
-            Mode::Stopping { to, .. } | Mode::Safe(to) => to.is_some(),
-            Mode::Configuring | Mode::Homing { .. } | Mode::Fault(_) | Mode::Off | Mode::Shadow { .. } => {
-                false
-            }
+            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
         }
     }
 
@@ -375,7 +398,9 @@ impl Bridge {
             self.time = time;
             self.next_heartbeat = time;
             self.events.push(time, Event::Entered(self.state()));
-            self.peers.iter_mut().for_each(|peer| peer.startup.restart(time));
+            if let Mode::Listening { since } = &mut self.mode {
+                *since = time;
+            }
             return;
         }
         if time <= self.time {

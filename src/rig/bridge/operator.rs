@@ -78,7 +78,7 @@ impl Bridge {
             }
         }
         self.take_references();
-        self.enter(Mode::TakingUpSlack { since: now, ramp: None, calm: 0 });
+        self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }
 
@@ -88,7 +88,7 @@ impl Bridge {
             && self.cells.iter().all(|cell| cell.is_alive(limits))
     }
 
-    fn take_references(&mut self) {
+    pub(super) fn take_references(&mut self) {
         for i in 0..CABLES {
             self.drives[i].encoder.home(self.home_length[i]);
         }
@@ -109,16 +109,15 @@ impl Bridge {
         Ok(())
     }
 
-    /// Everything anew; the drives lose their torque.
+    /// Everything anew; the drives lose their torque. Who never was alone on the buses listens once more.
     fn reset(&mut self) {
         self.is_running = false;
         self.is_resetting_drives = true;
         self.is_released = true;
-        (self.pending, self.fault) = (None, None);
+        (self.pending, self.told_faults, self.fault) = Default::default();
         (self.drives, self.cells) = Default::default();
-        let time = self.time;
-        self.peers.iter_mut().for_each(|peer| peer.startup.restart(time));
-        self.enter(Mode::Configuring);
+        let since = self.time;
+        self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }
 
     /// What time and nodes bring about when nothing is wrong.
@@ -128,9 +127,11 @@ impl Bridge {
                 self.take_references();
                 self.mode = Mode::Shadow { is_homed: true };
             }
+            Mode::Listening { since } => self.listen(since),
+            Mode::Quieting { since } => self.quiet(since),
             Mode::Configuring => self.configure(out),
             Mode::Homing { since } => self.reset_drives(since),
-            Mode::TakingUpSlack { since, ramp, calm } => self.take_up_slack(since, ramp, calm),
+            Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
             {
@@ -180,45 +181,9 @@ impl Bridge {
         }
     }
 
-    fn fail_drive_stuck(&mut self, i: usize) {
+    pub(super) fn fail_drive_stuck(&mut self, i: usize) {
         let state = self.drives[i].state.unwrap_or(DriveState::NotReadyToSwitchOn);
         self.fail(Fault::DriveStuck { node: self.config.drives[i].node, state });
-    }
-
-    fn take_up_slack(&mut self, since: Nanoseconds, ramp: Option<Nanoseconds>, calm: u32) {
-        let slack = self.config.slack;
-        let Some(begun) = ramp else {
-            let waiting = (0..CABLES).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
-            match waiting {
-                None => self.mode = Mode::TakingUpSlack { since, ramp: Some(self.time), calm: 0 },
-                Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
-                    self.fail_drive_stuck(i)
-                }
-                Some(_) => {}
-            }
-            return;
-        };
-        for i in 0..CABLES {
-            let length = self.home_length[i] - self.drives[i].encoder.length;
-            if length > slack.most {
-                return self.fail(Fault::LooseCable { cable: i + 1, length });
-            }
-        }
-        let elapsed = self.time.saturating_sub(begun);
-        if elapsed < slack.ramp {
-            return;
-        }
-        let disagreeing = (0..CABLES).find(|i| !self.cells[*i].agrees());
-        let calm = if disagreeing.is_none() { calm + 1 } else { 0 };
-        self.mode = Mode::TakingUpSlack { since, ramp, calm };
-        if calm > self.config.cycles(self.config.limits.disagreement_time) {
-            // Only now the cables are taut, and as long as they are at the home pose.
-            self.take_references();
-            self.enter(Mode::Ready);
-        } else if let (Some(i), true) = (disagreeing, elapsed > 2 * slack.ramp) {
-            let (measured, commanded) = (self.cells[i].tension(), self.told[i]);
-            self.fail(Fault::LoadCellDisagrees { cable: i + 1, measured, commanded });
-        }
     }
 
     /// From the controller's tensions to the safe output.
@@ -246,13 +211,16 @@ impl Bridge {
     }
 
     pub(super) fn fail(&mut self, fault: Fault) {
-        match self.mode {
-            Mode::Fault(_) | Mode::Off | Mode::Stopping { is_fault: true, .. } => return,
-            _ => {}
+        // With the torque off there is nothing left to lose.
+        if matches!(self.mode, Mode::Fault(None) | Mode::Off) {
+            return;
         }
-        self.events.push(self.time, Event::Fault(fault));
+        if self.told_faults.insert(fault) {
+            self.events.push(self.time, Event::Fault(fault));
+        }
         self.fault.get_or_insert(fault);
         match self.mode {
+            Mode::Fault(_) | Mode::Stopping { is_fault: true, .. } => {}
             Mode::Enabled { .. } => self.stop(Cause::Fault(fault)),
             Mode::Stopping { since, from, to, .. } => {
                 self.mode = Mode::Stopping { since, from, to, is_fault: true }

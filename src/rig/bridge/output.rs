@@ -14,12 +14,13 @@ impl Bridge {
         const NOTHING: PerCable<f64> = [0.0; CABLES];
         match self.mode {
             Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| answer.motor_tension), Demand::Off),
-            Mode::Configuring | Mode::Off => (NOTHING, Demand::Off),
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
+                (NOTHING, Demand::Off)
+            }
             Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
             Mode::Homing { .. } => (NOTHING, Demand::Off),
-            Mode::TakingUpSlack { ramp, .. } => {
-                let share = ramp.map_or(0.0, |begun| self.share(begun, self.config.slack.ramp));
-                ([share * self.config.slack.pretension; CABLES], Demand::Enabled)
+            Mode::TakingUpSlack { step, .. } => {
+                (step.map_or(NOTHING, |step| self.slack_pull(&step)), Demand::Enabled)
             }
             Mode::Ready => ([self.config.slack.pretension; CABLES], Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {
@@ -41,19 +42,20 @@ impl Bridge {
     }
 
     /// Each winch resists by itself what its cable does: constant tensions alone let the platform turn over at some poses. One whose
-    /// encoder failed cannot.
+    /// encoder failed cannot, and while a value is missing, nothing is made of lengths that were not measured.
     fn stiffened(&self, held: &Held) -> PerCable<f64> {
         let (safe, most) = (&self.config.safe, self.config.controller.max_tension);
         std::array::from_fn(|i| {
             let encoder = &self.drives[i].encoder;
-            let resistance = safe.stiffness * (encoder.length - held.length[i]) + safe.damping * encoder.rate;
+            let (length, rate) = encoder.last_measured();
+            let resistance = safe.stiffness * (length - held.length[i]) + safe.damping * rate;
             let resistance = if encoder.has_failed { 0.0 } else { resistance };
             (held.tension[i] + resistance).clamp(0.0, most)
         })
     }
 
     /// How much of a ramp that began then is behind, 0 to 1.
-    fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
+    pub(super) fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
         let elapsed = self.time.saturating_sub(since);
         if elapsed >= ramp { 1.0 } else { elapsed as f64 / ramp as f64 }
     }
@@ -61,13 +63,19 @@ impl Bridge {
     /// Torques, SYNC and heartbeat of this cycle. Says what torques the drives are told, ‰.
     pub(super) fn send(&mut self, out: &mut FrameQueue) -> PerCable<i16> {
         let (tension, demand) = self.command();
+        for drive in &mut self.drives {
+            drive.has_left |= demand == Demand::Keep && drive.state != Some(DriveState::OperationEnabled);
+        }
+        let tension: PerCable<f64> =
+            std::array::from_fn(|i| if self.drives[i].has_left { 0.0 } else { tension[i] });
         let torque: PerCable<i16> =
             std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
         self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
-        if matches!(self.mode, Mode::Shadow { .. }) {
+        if !self.has_spoken {
             return torque;
         }
-        if self.is_running {
+        let has_process_data = self.is_running || matches!(self.mode, Mode::Quieting { .. });
+        if has_process_data {
             for (bus, id, slots) in &self.torque_frames {
                 let word = self.control_word(slots, demand);
                 if let Some(frame) = torque_frame(*id, slots, word, &torque) {
@@ -76,7 +84,7 @@ impl Bridge {
             }
         }
         for bus in 0..self.config.buses.len() {
-            if self.is_running {
+            if has_process_data {
                 out.push(bus, sync());
             }
             if self.time >= self.next_heartbeat {
@@ -90,7 +98,8 @@ impl Bridge {
     }
 
     /// One control word for the drives that share a frame: upwards the one that the last of them needs, else the one that acts.
-    /// A drive in Fault neither holds the others back nor needs to be told.
+    /// A drive in Fault neither holds the others back nor needs to be told. One that fell out to Switched on is led up again by the word
+    /// that keeps the others enabled, since CiA 402 has no other; that is why it is told no torque.
     fn control_word(&self, slots: &[Option<usize>; 3], demand: Demand) -> u16 {
         let states = || slots.iter().flatten().filter_map(|i| self.drives[*i].state);
         match demand {
@@ -103,7 +112,7 @@ impl Bridge {
     }
 }
 
-fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
+pub(super) fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
     std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
 }
 

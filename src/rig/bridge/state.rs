@@ -105,17 +105,22 @@ pub enum Event {
     Fault(Fault),
     /// A node's emergency message, also one that says that an error is gone.
     Emergency(Emergency),
+    /// So many emergency messages came at once that these were lost.
+    Lost(u64),
 }
 
-const EVENTS: usize = 64;
+const EVENTS: usize = 128;
+/// So many of them may be emergency messages. Of states and faults a cycle has fewer than the rest.
+const EMERGENCIES: usize = 64;
 
-/// The latest events that nobody has taken yet; of more than 64 the newest are lost, and counted.
+/// The latest events that nobody has taken yet. A burst of emergency messages takes no room from states and faults: what is too much
+/// is lost, and counted.
 #[derive(Clone, Debug)]
 pub(super) struct EventLog {
     events: [Option<(Nanoseconds, Event)>; EVENTS],
     first: usize,
     length: usize,
-    pub lost: u64,
+    lost: u64,
 }
 
 impl EventLog {
@@ -124,7 +129,8 @@ impl EventLog {
     }
 
     pub fn push(&mut self, now: Nanoseconds, event: Event) {
-        if self.length == EVENTS {
+        let room = if matches!(event, Event::Emergency(_)) { EMERGENCIES } else { EVENTS };
+        if self.length >= room {
             self.lost += 1;
             return;
         }
@@ -132,8 +138,12 @@ impl EventLog {
         self.length += 1;
     }
 
-    pub fn pop(&mut self) -> Option<(Nanoseconds, Event)> {
-        let event = self.events[self.first].take()?;
+    /// The oldest; after the last one, at `now`, how many were lost.
+    pub fn pop(&mut self, now: Nanoseconds) -> Option<(Nanoseconds, Event)> {
+        let Some(event) = self.events[self.first].take() else {
+            let lost = std::mem::take(&mut self.lost);
+            return (lost > 0).then_some((now, Event::Lost(lost)));
+        };
         (self.first, self.length) = ((self.first + 1) % EVENTS, self.length - 1);
         Some(event)
     }
@@ -171,15 +181,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn events_come_out_in_their_order_and_an_overflow_is_counted() {
+    fn a_burst_of_emergency_messages_hides_no_state() {
         let mut log = EventLog::new();
-        for k in 0..70 {
-            log.push(k, Event::Entered(State::Safe));
-        }
-        assert_eq!(log.lost, 6);
-        let times: Vec<_> = std::iter::from_fn(|| log.pop()).map(|(time, _)| time).collect();
-        assert_eq!(times, (0..64).collect::<Vec<_>>());
+        let emergency = Emergency { node: 3, code: 0x8130, register: 0, maker: [0; 5] };
+        (0..70).for_each(|k| log.push(k, Event::Emergency(emergency)));
+        log.push(70, Event::Entered(State::Stopping));
+        let events: Vec<_> = std::iter::from_fn(|| log.pop(71)).collect();
+        assert_eq!(events.len(), 64 + 2);
+        assert_eq!(events[64..], [(70, Event::Entered(State::Stopping)), (71, Event::Lost(6))]);
         log.push(99, Event::Entered(State::Off));
-        assert_eq!((log.pop().unwrap().0, log.pop()), (99, None));
+        assert_eq!((log.pop(99).unwrap().0, log.pop(99)), (99, None));
     }
 }

@@ -10,11 +10,15 @@ impl Bridge {
     /// Encoders and load cells of this cycle.
     pub(super) fn measure(&mut self) {
         let Self { config, time, told, .. } = &*self;
-        let (limits, time, told) = (config.limits, *time, *told);
+        let (mut limits, time, told) = (config.limits, *time, *told);
         let patience = self.config.cycles(limits.disagreement_time);
+        // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
+        let has_torque = self.is_pulling();
+        if !has_torque {
+            limits.freeze_speed = f64::INFINITY;
+        }
         let is_compared =
             self.is_pulling() && !matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. });
-        let mut found = Ok(());
         for i in 0..CABLES {
             let winch = &self.config.drives[i].winch;
             let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
@@ -22,11 +26,14 @@ impl Bridge {
             if is_compared {
                 cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, told[i], patience));
             }
-            found = found.and(encoder).and(cell);
+            if has_torque {
+                self.expect(encoder);
+                self.expect(cell);
+            }
         }
-        if self.is_active() {
+        if has_torque {
             let frozen = self.compare_encoders(is_compared);
-            self.expect(found.and(frozen));
+            self.expect(frozen);
         }
         self.no_room = if self.had_no_room { self.no_room + 1 } else { 0 };
         self.had_no_room = false;
@@ -54,8 +61,8 @@ impl Bridge {
             return;
         }
         let (time, timeout) = (self.time, self.config.heartbeat.timeout);
-        if let Some(peer) = self.peers.iter().find(|peer| time.saturating_sub(peer.heard) > timeout) {
-            self.raise(Fault::HeartbeatLost { node: peer.node });
+        for peer in self.peers.iter().filter(|peer| time.saturating_sub(peer.heard) > timeout) {
+            self.pending.insert(Fault::HeartbeatLost { node: peer.node });
         }
     }
 
@@ -80,7 +87,7 @@ impl Bridge {
             Mode::Shadow { is_homed } => is_homed,
             _ => self.is_pulling(),
         };
-        if self.pending.is_some() || !is_followed {
+        if !self.pending.is_empty() || !is_followed {
             return;
         }
         match forward_kinematics(&self.geometry, &self.lengths(), &self.pose) {
@@ -110,7 +117,11 @@ impl Bridge {
         let inputs = ControllerInputs {
             encoder_pose: self.pose,
             cable_length: self.lengths(),
-            measured_tension: self.cells.map(|cell| cell.tension()),
+            // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
+            measured_tension: match self.mode {
+                Mode::Shadow { .. } => self.told,
+                _ => self.cells.map(|cell| cell.tension()),
+            },
             goal_pose: if enable { self.goal } else { self.pose },
             enable,
         };

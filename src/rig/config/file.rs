@@ -1,5 +1,7 @@
 //! The file as it is written, and the way from there to a [`Config`].
 
+mod together;
+
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -41,7 +43,7 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BusEntry {
-    name: String,
+    name: Spanned<String>,
     bit_rate: Spanned<f64>,
 }
 
@@ -165,16 +167,7 @@ pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
         load_cells: load_cells(&check, &file, &buses)?,
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
         home: home(&check, &file.home)?,
-        slack: Slack {
-            pretension: check.within(
-                &file.slack.pretension,
-                "slack.pretension",
-                0.1..=controller.max_tension,
-                "N",
-            )?,
-            ramp: check.time(&file.slack.ramp, "slack.ramp", 0.01..=60.0)?,
-            most: check.within(&file.slack.most, "slack.most", 1e-4..=10.0, "m")?,
-        },
+        slack: slack(&check, &file.slack)?,
         limits: limits(&check, &file.limits)?,
         safe: Safe {
             output: file.safe.output,
@@ -183,10 +176,10 @@ pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
             damping: check.within(&file.safe.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
         },
         controller,
-        name: file.name,
+        name: file.name.clone(),
         buses,
     };
-    nodes_are_different(&check, &config, file.drives.get_ref(), file.load_cells.get_ref())?;
+    together::check(&check, &file, &config)?;
     Ok(config)
 }
 
@@ -199,7 +192,7 @@ fn buses(check: &Check, file: &File) -> Result<Vec<Bus>, ConfigError> {
     let bus = |(k, entry): (usize, &BusEntry)| {
         let field = format!("buses[{}].bit_rate", k + 1);
         let bit_rate = check.within(&entry.bit_rate, &field, 1e4..=1e6, "bit/s")?;
-        Ok(Bus { name: entry.name.clone(), bit_rate })
+        Ok(Bus { name: entry.name.get_ref().clone(), bit_rate })
     };
     entries.iter().enumerate().map(bus).collect()
 }
@@ -220,6 +213,14 @@ fn timeouts(check: &Check, entry: &TimeoutEntry) -> Result<Timeouts, ConfigError
         service: check.time(&entry.service, "timeouts.service", 0.01..=10.0)?,
         drive: check.time(&entry.drive, "timeouts.drive", 0.1..=60.0)?,
         enable: check.time(&entry.enable, "timeouts.enable", 0.02..=5.0)?,
+    })
+}
+
+fn slack(check: &Check, entry: &SlackEntry) -> Result<Slack, ConfigError> {
+    Ok(Slack {
+        pretension: check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?,
+        ramp: check.time(&entry.ramp, "slack.ramp", 0.01..=60.0)?,
+        most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
     })
 }
 
@@ -432,36 +433,4 @@ fn load_cell(check: &Check, entry: &CellEntry, i: usize, buses: &[Bus]) -> Resul
     };
     let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
     Ok(Cell { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, byte: 0, cell })
-}
-
-/// No address twice, on whatever bus: faults name nodes.
-fn nodes_are_different(
-    check: &Check,
-    config: &Config,
-    drives: &[DriveEntry],
-    cells: &[CellEntry],
-) -> Result<(), ConfigError> {
-    let mut taken: Vec<(Node, String)> = vec![(config.node, "the bridge".to_owned())];
-    let mut claim =
-        |node: Node, span: &Spanned<u32>, field: String| match taken.iter().find(|(n, _)| *n == node) {
-            Some((_, other)) => {
-                let allowed = format!("{other} has this address already");
-                Err(check.refuse(span.span().start, &format!("{field}.node"), node, allowed))
-            }
-            None => {
-                taken.push((node, field));
-                Ok(())
-            }
-        };
-    for i in 0..CABLES {
-        claim(config.drives[i].node, &drives[i].node, format!("drives[{}]", i + 1))?;
-    }
-    for i in 0..CABLES {
-        let (node, bus) = (config.load_cells[i].node, config.load_cells[i].bus);
-        match config.load_cells[..i].iter().find(|other| other.node == node) {
-            Some(same) if same.bus == bus => {}
-            _ => claim(node, &cells[i].node, format!("load_cells[{}]", i + 1))?,
-        }
-    }
-    Ok(())
 }

@@ -143,9 +143,9 @@ pub enum Action {
 /// How slack is taken up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slack {
-    /// Tension that makes every cable taut while the platform stands on its stand, N.
+    /// Tension that makes every cable taut while the platform stands on its stand, N. Twice of it tells which load cell is whose.
     pub pretension: f64,
-    /// Time of the ramp to it, and then again for the load cells to settle.
+    /// Time of the ramp to it (a quarter for each further step), and then again for the load cells to settle.
     pub ramp: Nanoseconds,
     /// More cable than this is not slack: it is loose, or off its pulley. m.
     pub most: f64,
@@ -312,7 +312,12 @@ pub(crate) mod tests {
             (
                 "pretension = 3.0",
                 "pretension = 70.0",
-                "slack.pretension = 70 is not allowed: must be from 0.1 to 60 N",
+                "slack.pretension = 70 is not allowed: must be from 0.1 to ",
+            ),
+            (
+                "disagreement = 2.0",
+                "disagreement = 3.0",
+                "limits.disagreement = 3 is not allowed: must be less than slack.pretension (3 N)",
             ),
             ("direction = 1", "direction = 0.5", "drives[1].direction = 0.5 is not allowed: must be 1"),
             ("node = 2\n", "node = 1\n", "drives[2].torque_frame = 0x201, slot 1"),
@@ -335,6 +340,36 @@ pub(crate) mod tests {
             ("maxTension = 60.0", "maxTension = false", "controller.parameters.maxTension = Boolean(false)"),
             ("maxTension = 60.0", "b = 2.0", "controller.parameters.b = 2"),
             ("value = 1000", "value = 4294967296", "drive_objects[1].value = 4294967296"),
+            (
+                "torque_limit = 1.6",
+                "torque_limit = 1.4",
+                "drives[1].torque_limit = 1.4 is not allowed: must be at least 1.5 N m for maxTension (60 N)",
+            ),
+            (
+                "home = [0.0, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold with 0 to 60 N",
+            ),
+            (
+                "[[buses]]",
+                "[[buses]]\nname = \"can0\"\nbit_rate = 1e6\n\n[[buses]]",
+                "buses[2].name = can0 is not allowed: buses[1] has this name already",
+            ),
+            (
+                "index = 0x605A",
+                "index = 0x6040",
+                "object = 0x6040:0 is not allowed: the bridge sets this object itself",
+            ),
+            (
+                "rate = 250.0",
+                "rate = 19.0",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.26",
+            ),
+            (
+                "lost_cycles = 4",
+                "lost_cycles = 24",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.1 s",
+            ),
         ] {
             let refusal = refusal(from, to);
             assert!(refusal.starts_with("line ") && refusal.contains(said), "{refusal}");
@@ -360,6 +395,13 @@ pub(crate) mod tests {
     #[test]
     fn readings_of_one_amplifier_follow_each_other() {
         let text = AKD.replace("node = 12\n", "node = 11\n");
+        let same = Config::parse(&text).unwrap_err().to_string();
+        assert!(same.contains("load_cells[2].index, subindex = 0x6130:1 is not allowed"), "{same}");
+        let text = text.replacen(
+            "node = 11\nindex = 0x6130\nsubindex = 1",
+            "node = 11\nindex = 0x6130\nsubindex = 2",
+            1,
+        );
         let config = Config::parse(&text).unwrap();
         assert_eq!((config.load_cells[0].byte, config.load_cells[1].byte), (0, 4));
         let three = text.replace("node = 13\n", "node = 11\n");

@@ -30,6 +30,8 @@ pub struct DriveFaults {
     pub encoder_error: i32,
     /// No process data.
     pub is_silent: bool,
+    /// Its hardware enable is taken away: no higher than Switched on.
+    pub is_blocked: bool,
 }
 
 /// A drive and the motor on it.
@@ -192,6 +194,7 @@ impl SimulatedDrive {
             (_, _) if quick_stop => SwitchOnDisabled,
             (SwitchOnDisabled | SwitchedOn | OperationEnabled, 0b0110) => ReadyToSwitchOn,
             (ReadyToSwitchOn | OperationEnabled, 0b0111) => SwitchedOn,
+            (SwitchedOn | OperationEnabled, 0b1111) if self.faults.is_blocked => SwitchedOn,
             (SwitchedOn, 0b1111) => OperationEnabled,
             (state, _) => state,
         };

@@ -26,6 +26,7 @@ drive N no-heartbeat           sends no heartbeat
 drive N dead                   says and hears nothing
 drive N frozen                 its encoder's value stays what it is
 drive N jumps 20000            its encoder's value is off by so many counts
+drive N blocked                its hardware enable is taken away: falls to Switched on
 drive N refuses-mode           never shows mode 10
 drive N refuses 0x6072 0x06090031  to have an object written, with this abort code
 cell N silent                  sends no process data
@@ -67,6 +68,7 @@ pub enum DriveMishap {
     Dead,
     Frozen,
     Jumps(i32),
+    Blocked,
     RefusesMode,
     Refuses(Object, u32),
     Well,
@@ -131,6 +133,7 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["dead"] => DriveMishap::Dead,
         ["frozen"] => DriveMishap::Frozen,
         ["jumps", counts] => DriveMishap::Jumps(counts.parse().ok()?),
+        ["blocked"] => DriveMishap::Blocked,
         ["refuses-mode"] => DriveMishap::RefusesMode,
         ["refuses", index, code] => {
             DriveMishap::Refuses(Object::new(hexadecimal(index)?.try_into().ok()?, 0), hexadecimal(code)?)
@@ -250,6 +253,7 @@ impl SimulatedRig {
             DriveMishap::Dead => drive.node.faults.is_dead = true,
             DriveMishap::Frozen => drive.faults.is_encoder_frozen = true,
             DriveMishap::Jumps(counts) => drive.faults.encoder_error = counts,
+            DriveMishap::Blocked => drive.faults.is_blocked = true,
             DriveMishap::RefusesMode => drive.faults.refuses_mode = true,
             DriveMishap::Refuses(object, code) => drive.node.faults.refuses = Some((object, code)),
             DriveMishap::Well => (drive.faults, drive.node.faults) = Default::default(),

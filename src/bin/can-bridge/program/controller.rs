@@ -154,7 +154,7 @@ fn at_rest(config: &Config) -> ControllerInputs {
 /// Passes on what the FMU has to say beyond remarks.
 fn say(message: &LogMessage) {
     if message.status > Status::Ok {
-        super::say(format_args!("can-bridge: {}: {}", message.instance, message.text));
+        super::terminal::say(format_args!("can-bridge: {}: {}", message.instance, message.text));
     }
 }
 

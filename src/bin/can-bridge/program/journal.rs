@@ -1,4 +1,5 @@
-//! The journal: takes what the loop tells out of the queue, says it, shows it and writes it down, in a thread of its own.
+//! The journal: takes what the loop tells out of the queue, says it, shows it and writes it down, in a thread of its own. It waits for
+//! nothing but the disk of the recording.
 
 use std::io;
 use std::thread::{self, JoinHandle};
@@ -7,14 +8,13 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use cable_robot::rig::bridge::{Cause, Event};
 use cable_robot::rig::{Config, Nanoseconds};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rtrb::{Consumer, RingBuffer};
 use serde_json::json;
 
 use super::entry::{Entry, Teller};
 use super::record::Recording;
-use super::say;
 use super::status::{Status, Stream};
+use super::terminal::{say, show, show_nothing};
 
 /// Entries that wait: more than a second's at any rate that fits on a bus.
 const QUEUE: usize = 1 << 14;
@@ -36,9 +36,7 @@ impl Journal {
         limits: [f64; 2],
     ) -> Result<(Teller, Self)> {
         let (producer, consumer) = RingBuffer::new(QUEUE);
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        bar.set_style(ProgressStyle::with_template("{wide_msg}")?);
-        let writer = Writer { status: Status::new(config, limits)?, recording, stream, bar, is_whole: true };
+        let writer = Writer { status: Status::new(config, limits)?, recording, stream, is_whole: true };
         let thread = thread::Builder::new()
             .name("journal".to_owned())
             .spawn(move || writer.run(consumer))
@@ -56,7 +54,6 @@ struct Writer {
     status: Status,
     recording: Option<Recording>,
     stream: Option<Stream>,
-    bar: ProgressBar,
     is_whole: bool,
 }
 
@@ -82,9 +79,15 @@ impl Writer {
             }
             thread::sleep(PAUSE);
         }
-        self.bar.finish_and_clear();
-        say(format_args!("{}", self.status.summary()));
-        self.is_whole
+        show_nothing();
+        say(self.status.summary());
+        let lost = self.stream.map_or(0, |stream| stream.finish());
+        if lost > 0 {
+            say(format_args!(
+                "can-bridge: the status stream lacks {lost} lines: nobody read them, or they could not be written"
+            ));
+        }
+        self.is_whole && lost == 0
     }
 
     fn take(&mut self, entry: &Entry) {
@@ -111,22 +114,17 @@ impl Writer {
     fn say(&mut self, time: Nanoseconds, text: &str) {
         let seconds = time as f64 * 1e-9;
         let line = if time > 0 { format!("[{seconds:9.3}] {text}") } else { format!("can-bridge: {text}") };
-        self.bar.suspend(|| say(format_args!("{line}")));
+        say(line);
         self.stream(json!({ "time": seconds, "message": text }));
     }
 
-    fn show(&mut self) {
-        self.bar.set_message(self.status.line());
-        self.bar.tick();
+    fn show(&self) {
+        show(self.status.line());
         self.stream(self.status.json());
     }
 
-    fn stream(&mut self, value: serde_json::Value) {
-        let Some(stream) = &mut self.stream else { return };
-        if let Err(reason) = stream.write(&value) {
-            (self.stream, self.is_whole) = (None, false);
-            self.bar.suspend(|| say(format_args!("can-bridge: the status stream ends: {reason}")));
-        }
+    fn stream(&self, value: serde_json::Value) {
+        self.stream.iter().for_each(|stream| stream.write(&value));
     }
 }
 
@@ -149,5 +147,6 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
+        Event::Lost(count) => format!("{count} more emergency messages came at once"),
     }
 }

@@ -7,11 +7,14 @@ mod goals;
 mod journal;
 mod log;
 mod operator;
+mod outlet;
 mod real_time;
 mod record;
 mod replay;
 mod session;
+mod signals;
 mod status;
+mod terminal;
 #[cfg(test)]
 mod tests;
 
@@ -30,10 +33,12 @@ use clap::Parser;
 use controller::FmuController;
 use journal::Journal;
 use session::{End, Session};
+use terminal::say;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 3 the rate does not fit on the bus;
-4 the replay gives other commands than the recording; 5 ended after a fault; 6 the torque was cut off at once (second
+4 the replay gives other commands than the recording; 5 ended after a fault, or the
+drives do not confirm that they are off; 6 the torque was cut off at once (second
 signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole.
 Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
 
@@ -59,7 +64,7 @@ struct Arguments {
     /// Goals of a scenario file, timed from the first time the controller pulls
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// Records every frame, cycle and command, and a run for `cable-robot report`, into this folder
+    /// Records every frame, cycle and command, and a run for `cable-robot report`, into this folder, which holds no recording yet
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// Writes the status for machines, a JSON object a line, into this file; - is stdout
@@ -97,20 +102,24 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Tells whoever reads stderr. If nobody does any more (a terminal that is gone), the platform is to be held all the same.
-fn say(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
 /// The program.
 pub fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
+    let arguments = Arguments::parse();
+    let code = match terminal::start().and_then(|()| run(&arguments)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
             say(format_args!("can-bridge: {error:#}"));
             ExitCode::FAILURE
         }
-    }
+    };
+    terminal::finish();
+    code
+}
+
+/// To stdout.
+fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
 }
 
 fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -128,12 +137,12 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
         let bus = config.buses.iter().position(|bus| bus.name == *name);
         let known = || config.buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
         let bus = bus.with_context(|| format!("--export-dbc {name}: the rig file knows {}", known()))?;
-        print!("{}", export::dbc(&config, bus));
+        print(&export::dbc(&config, bus))?;
         return Ok(Outcome::Done);
     }
     let controller = FmuController::open(&config)?;
     if arguments.check {
-        print!("{}", check::text(&config, &controller));
+        print(&check::text(&config, &controller))?;
     }
     if let Err(reason) = bus_load::check(&config) {
         say(format_args!("can-bridge: {reason}"));
@@ -148,6 +157,7 @@ fn drive(
     config: Config,
     mut controller: FmuController,
 ) -> Result<Outcome> {
+    arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
     let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, &config))?;
     let mut links = vec![];
     for bus in &config.buses {
@@ -163,7 +173,7 @@ fn drive(
     };
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
     let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
-    let stop = operator::signals()?;
+    let stop = signals::listen()?;
     let (commands, _terminal) = operator::listen(&config)?;
     let ControllerParameters { min_tension, max_tension, .. } = controller.parameters();
     let (teller, journal) = Journal::start(recording, stream, &config, [min_tension, max_tension])?;

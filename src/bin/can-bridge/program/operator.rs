@@ -1,12 +1,10 @@
-//! What the operator wants: keys on a terminal, lines from a pipe, and signals.
+//! What the operator wants: keys on a terminal, and lines from a pipe.
 
 use std::io::IsTerminal;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::say;
+use super::terminal::say;
 use anyhow::{Context, Result};
 use cable_robot::rig::{Config, OperatorCommand};
 use cable_robot::robot::{Coordinates, Pose};
@@ -24,15 +22,6 @@ const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
-
-/// Counts SIGINT, SIGTERM and SIGHUP.
-pub fn signals() -> Result<Arc<AtomicU32>> {
-    let count = Arc::new(AtomicU32::new(0));
-    let counted = Arc::clone(&count);
-    ctrlc::set_handler(move || _ = counted.fetch_add(1, Ordering::Relaxed))
-        .context("cannot listen to signals")?;
-    Ok(count)
-}
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
@@ -72,11 +61,18 @@ impl Drop for Terminal {
     }
 }
 
+/// Waits for room: no command is ever dropped, least of all a release. Nobody takes them any more once the program ends.
+fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
+    while queue.push(command).is_err() && !queue.is_abandoned() {
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// A terminal knows no key that is held: `e` enables until the next key, whichever it is.
 fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
-    say(format_args!("{KEYS}"));
+    say(KEYS);
     let mut enabled: Option<Instant> = None;
-    let mut tell = |command| _ = queue.push(command);
+    let mut tell = |command| give(&mut queue, command);
     loop {
         let mut key = [0];
         match read_within(&mut key, enabled.map(|_| again)) {
@@ -106,7 +102,7 @@ fn lines(mut queue: Producer<OperatorCommand>) {
             match byte {
                 b'\n' => {
                     match command(&String::from_utf8_lossy(&line)) {
-                        Ok(command) => command.into_iter().for_each(|command| _ = queue.push(command)),
+                        Ok(command) => command.into_iter().for_each(|command| give(&mut queue, command)),
                         Err(reason) => say(format_args!("can-bridge: operator: {reason}")),
                     }
                     line.clear();
@@ -117,8 +113,7 @@ fn lines(mut queue: Producer<OperatorCommand>) {
         }
         if read == 0 {
             say(format_args!("can-bridge: the operator's input has ended: let go; SIGTERM ends the program"));
-            _ = queue.push(OperatorCommand::Release);
-            return;
+            return give(&mut queue, OperatorCommand::Release);
         }
     }
 }
@@ -204,6 +199,24 @@ mod tests {
         }
         assert_eq!(command(" goal 0.1  0 1\r"), Ok(Some(OperatorCommand::Goal(Pose::at(0.1, 0.0, 1.0)))));
         assert_eq!(command(""), Ok(None));
+    }
+
+    /// The program takes them up slower than somebody gives them.
+    #[test]
+    fn a_release_behind_a_flood_of_lines_is_not_dropped() {
+        let (mut producer, mut consumer) = RingBuffer::new(16);
+        let flood = thread::spawn(move || {
+            (0..100).for_each(|_| give(&mut producer, OperatorCommand::Enable));
+            give(&mut producer, OperatorCommand::Release);
+        });
+        let mut taken = vec![];
+        while taken.last() != Some(&OperatorCommand::Release) {
+            assert!(taken.len() < 101, "the release is missing");
+            thread::sleep(Duration::from_millis(1));
+            taken.extend(std::iter::from_fn(|| consumer.pop().ok()));
+        }
+        flood.join().unwrap();
+        assert_eq!(taken.len(), 101);
     }
 
     #[test]

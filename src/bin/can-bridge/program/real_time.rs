@@ -30,7 +30,7 @@ pub fn prepare() -> Vec<String> {
 
 /// A panic is said in a line: a backtrace takes longer than the drives wait for the next cycle.
 pub fn say_panics_briefly() {
-    std::panic::set_hook(Box::new(|panic| super::say(format_args!("can-bridge: {panic}"))));
+    std::panic::set_hook(Box::new(|panic| super::terminal::say(format_args!("can-bridge: {panic}"))));
 }
 
 /// Sleeps until a time on the clock of `transport::now`; returns at once if it has passed.

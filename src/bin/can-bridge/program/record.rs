@@ -1,10 +1,10 @@
 //! A session on disk: the log (see [`log`]), and from the first time the controller pulls a run folder for the report.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs};
 use cable_robot::report::recording::{Recording as Rows, columns};
 use cable_robot::report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
@@ -21,12 +21,47 @@ use super::log::{self, Direction};
 /// What an encoder and a load cell do not tell.
 const NOT_MEASURED: [&str; 3] = ["plant.velocity", "plant.angularVelocity", "plant.disturbance"];
 
+/// Files that are there once something was recorded.
+const SIGNS: [&str; 5] = [log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON];
+
+/// Refuses a folder with a recording in it.
+pub fn refuse_to_overwrite(folder: &Path) -> Result<()> {
+    if let Some(name) = SIGNS.iter().find(|name| folder.join(name).exists()) {
+        bail!("{} already holds a recording ({name}): name another folder, or remove it", folder.display());
+    }
+    Ok(())
+}
+
+/// A file to which only whole rows are handed, all together when it is flushed: after `kill -9` none is cut.
+struct RowFile {
+    file: File,
+    rows: Vec<u8>,
+}
+
+impl RowFile {
+    fn create(path: &Path) -> io::Result<Self> {
+        Ok(Self { file: File::create(path)?, rows: vec![] })
+    }
+}
+
+impl Write for RowFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.rows.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.write_all(&self.rows)?;
+        self.rows.clear();
+        Ok(())
+    }
+}
+
 /// The files of a session, being written.
 pub struct Recording {
     config: Config,
-    frames: BufWriter<File>,
-    inputs: csv::Writer<File>,
-    cycles: csv::Writer<File>,
+    frames: RowFile,
+    inputs: csv::Writer<RowFile>,
+    cycles: csv::Writer<RowFile>,
     run: Run,
     received: u64,
     sent: u64,
@@ -45,9 +80,9 @@ impl Recording {
         run_folder::make(folder)?;
         let create = |name: &str| {
             let path = folder.join(name);
-            File::create(&path).with_context(|| format!("cannot write {}", path.display()))
+            RowFile::create(&path).with_context(|| format!("cannot write {}", path.display()))
         };
-        create(log::RIG)?.write_all(rig_text.as_bytes()).context("cannot write the copy of the rig file")?;
+        fs::write(folder.join(log::RIG), rig_text).context("cannot write the copy of the rig file")?;
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
         inputs.write_record(["cycle", "input"])?;
         if is_dry {
@@ -56,7 +91,7 @@ impl Recording {
         let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
         cycles.write_record(log::columns())?;
         Ok(Self {
-            frames: BufWriter::new(create(log::FRAMES)?),
+            frames: create(log::FRAMES)?,
             inputs,
             cycles,
             run: Run::new(folder, config, controller),
@@ -105,7 +140,7 @@ impl Recording {
         self.run.take(&cycle.report)
     }
 
-    /// Hands everything to the system.
+    /// Hands everything to the system: frames first, so that no row of the cycles tells of frames that are not there.
     pub fn flush(&mut self) -> io::Result<()> {
         self.frames.flush()?;
         self.inputs.flush()?;
@@ -119,7 +154,7 @@ struct Run {
     folder: PathBuf,
     info: RunInfo,
     rows: Rows,
-    csv: Option<csv::Writer<File>>,
+    csv: Option<csv::Writer<RowFile>>,
     begun: Nanoseconds,
     answer: Option<ControllerOutputs>,
     goal: Pose,
@@ -180,7 +215,7 @@ impl Run {
     }
 
     fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
-        let mut csv = csv::Writer::from_writer(File::create(self.folder.join(RUN_CSV))?);
+        let mut csv = csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV))?);
         let kept = columns().into_iter().filter(|name| is_measured(name));
         csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
         fs::write(self.folder.join(RUN_JSON), serde_json::to_string_pretty(&self.info)? + "\n")?;

@@ -2,17 +2,17 @@
 
 use std::collections::VecDeque;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Lines};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use cable_robot::rig::bridge::Bridge;
 use cable_robot::rig::{Config, FrameQueue, Nanoseconds, TensionController};
 
-use super::Outcome;
 use super::controller::FmuController;
 use super::entry::{Input, OnBus};
 use super::log::{self, Direction};
+use super::{Outcome, print};
 
 /// Enters the session in this folder and prints what came of it.
 pub fn run(folder: &Path) -> Result<Outcome> {
@@ -36,14 +36,21 @@ pub fn run(folder: &Path) -> Result<Outcome> {
         let recorded = Recorded::parse(&row, count).map_err(|reason| anyhow!(reason)).with_context(place)?;
         match replay.cycle(&recorded, &mut controller)? {
             Step::Same => count += 1,
-            Step::End => break,
+            Step::End(_) if replay.frames == 0 => {
+                bail!("{} holds none of the frames that {} tells of", log::FRAMES, log::CYCLES)
+            }
+            Step::End(why) => {
+                print(&format!("cycle {count} at {} s: {why}\n", log::seconds(recorded.time)))?;
+                break;
+            }
             Step::Differs(what) => {
-                println!("cycle {count} at {} s differs: {what}", log::seconds(recorded.time));
+                print(&format!("cycle {count} at {} s differs: {what}\n", log::seconds(recorded.time)))?;
                 return Ok(Outcome::Differs);
             }
         }
     }
-    println!("{count} cycles with {} frames: the same commands, bit for bit", replay.frames);
+    ensure!(count > 0, "{}: there is no cycle to compare", path.display());
+    print(&format!("{count} cycles with {} frames: the same commands, bit for bit\n", replay.frames))?;
     Ok(Outcome::Done)
 }
 
@@ -72,10 +79,12 @@ impl<'a> Recorded<'a> {
     }
 }
 
+const NO_FRAME: &str = "frames.log ends within this cycle";
+
 enum Step {
     Same,
-    /// The log ends within the cycle.
-    End,
+    /// The recording ends within the cycle.
+    End(&'static str),
     Differs(String),
 }
 
@@ -87,7 +96,7 @@ struct Replay {
     inputs: VecDeque<(u64, Input)>,
     /// The cycle before which entries are missing.
     gap: Option<u64>,
-    lines: Lines<BufReader<File>>,
+    lines: BufReader<File>,
     line: u64,
     received: u64,
     frames: u64,
@@ -122,7 +131,7 @@ impl Replay {
             is_dry,
             inputs,
             gap,
-            lines: BufReader::new(file).lines(),
+            lines: BufReader::new(file),
             line: 0,
             received: 0,
             frames: 0,
@@ -132,12 +141,11 @@ impl Replay {
 
     fn cycle(&mut self, recorded: &Recorded, controller: &mut dyn TensionController) -> Result<Step> {
         if self.gap.is_some_and(|gap| gap <= recorded.number) {
-            println!("cycle {}: entries are missing from here on, the queue was full", recorded.number);
-            return Ok(Step::End);
+            return Ok(Step::End("entries are missing in the recording, the queue was full"));
         }
         while self.received < recorded.received {
             let Some(OnBus { bus, time, frame }) = self.next(Direction::Received)? else {
-                return Ok(Step::End);
+                return Ok(Step::End(NO_FRAME));
             };
             self.bridge.on_frame(bus, &frame, time);
             self.received += 1;
@@ -175,7 +183,9 @@ impl Replay {
             .collect();
         let mut sent = VecDeque::new();
         for _ in 0..recorded.sent {
-            let Some(OnBus { bus, frame, .. }) = self.next(Direction::Sent)? else { return Ok(Step::End) };
+            let Some(OnBus { bus, frame, .. }) = self.next(Direction::Sent)? else {
+                return Ok(Step::End(NO_FRAME));
+            };
             sent.push_back((bus, frame));
         }
         let commanded = if self.is_dry { &[] } else { self.out.frames() };
@@ -191,9 +201,13 @@ impl Replay {
         })
     }
 
-    /// The next frame, which went this way; `None` at the end of the file.
+    /// The next frame, which went this way; `None` at the end of the file, which may be in a line.
     fn next(&mut self, direction: Direction) -> Result<Option<OnBus>> {
-        let Some(line) = self.lines.next().transpose()? else { return Ok(None) };
+        let mut line = String::new();
+        self.lines.read_line(&mut line)?;
+        if !line.ends_with('\n') {
+            return Ok(None);
+        }
         self.line += 1;
         self.frames += 1;
         let wrong = |reason: String| anyhow!("{}: line {}: {reason}", log::FRAMES, self.line);

@@ -28,7 +28,7 @@ const CUT_OFF_CYCLES: u32 = 3;
 pub enum End {
     /// As asked, in safety.
     Asked,
-    /// As asked, but there had been a fault.
+    /// As asked, but there had been a fault, or the drives do not confirm that they are off.
     Faulted,
     /// With the torque cut off.
     CutOff,
@@ -41,7 +41,7 @@ pub struct Session<'a> {
     links: Vec<Box<dyn Transport>>,
     teller: Teller,
     commands: Consumer<OperatorCommand>,
-    /// Signals so far.
+    /// How often signals asked for the end.
     stop: Arc<AtomicU32>,
     timetable: Timetable,
     /// Whether nothing is ever sent.
@@ -115,7 +115,9 @@ impl<'a> Session<'a> {
         }
         if signals == 1 && !self.is_stopping {
             self.is_stopping = true;
-            self.note("a signal: to the safe output, then off; a second one cuts the torque off at once");
+            self.note(
+                "a signal: to the safe output, then off; another one, later, cuts the torque off at once",
+            );
         }
         let report = catch_unwind(AssertUnwindSafe(|| {
             self.receive_until(self.due);
@@ -144,7 +146,7 @@ impl<'a> Session<'a> {
         }
         self.cycles_off += 1;
         // The frames of the first cycle in Off are still to be answered.
-        let is_confirmed = self.cycles_off > CUT_OFF_CYCLES && self.bridge.is_off();
+        let is_confirmed = self.is_dry || self.cycles_off > CUT_OFF_CYCLES && self.bridge.is_off();
         let has_waited = self.cycles_off > LAST_CYCLES;
         if !is_confirmed && !has_waited {
             return None;
@@ -154,8 +156,8 @@ impl<'a> Session<'a> {
         }
         Some(match (self.has_failed, report.fault) {
             (true, _) => End::CutOff,
-            (false, Some(_)) => End::Faulted,
-            (false, None) => End::Asked,
+            (false, None) if is_confirmed => End::Asked,
+            (false, _) => End::Faulted,
         })
     }
 
@@ -171,8 +173,11 @@ impl<'a> Session<'a> {
         if self.is_stopping && self.cycles_off == 0 && self.bridge.state() != State::Stopping {
             self.obey(OperatorCommand::Shutdown, time);
         }
-        while let Ok(command) = self.commands.pop() {
-            self.obey(command, time);
+        // No more than wait now: who gives them faster is not waited for.
+        for _ in 0..self.commands.slots() {
+            if let Ok(command) = self.commands.pop() {
+                self.obey(command, time);
+            }
         }
         if let Some(goal) = self.timetable.due(self.bridge.state(), time) {
             self.obey(OperatorCommand::Goal(goal), time);
@@ -263,7 +268,8 @@ impl<'a> Session<'a> {
     fn cut_off(&mut self, why: &'static str) -> End {
         self.note(why);
         let period = self.bridge.config().period;
-        for _ in 0..if self.is_dry { 0 } else { CUT_OFF_CYCLES } {
+        // Before that the drives are somebody else's.
+        for _ in 0..if self.bridge.has_spoken() { CUT_OFF_CYCLES } else { 0 } {
             for (bus, id, slots) in self.bridge.config().torque_frames() {
                 // A control word of 0 and no torque.
                 let bytes = 2 + 2 * slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);

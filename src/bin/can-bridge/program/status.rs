@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -13,6 +13,8 @@ use hdrhistogram::Histogram;
 use serde_json::{Value, json};
 
 use super::entry::{Cycle, Entry};
+use super::outlet::Outlet;
+use super::terminal::say;
 
 /// Largest time that is told apart, and to how many digits.
 const LONGEST: Nanoseconds = 60_000_000_000;
@@ -158,24 +160,33 @@ fn percentiles(histogram: &Histogram<u64>) -> [f64; 3] {
         .map(|time| time as f64 / 1e3)
 }
 
-/// Where the status for machines goes, a JSON object a line.
+/// Where the status for machines goes, a JSON object a line, each at once. Lines that nobody reads are dropped and counted.
 pub struct Stream {
-    writer: Box<dyn Write + Send>,
+    outlet: Outlet<String>,
 }
 
 impl Stream {
     /// Into this file; `-` is stdout.
     pub fn create(path: &Path) -> Result<Self> {
-        if path == Path::new("-") {
-            return Ok(Self { writer: Box::new(io::stdout()) });
-        }
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        Ok(Self { writer: Box::new(BufWriter::new(file)) })
+        let mut file: Box<dyn Write + Send> = if path == Path::new("-") {
+            Box::new(io::stdout())
+        } else {
+            Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)
+        };
+        let write = move |line: String| {
+            let written = file.write_all(line.as_bytes()).and_then(|()| file.flush());
+            written.inspect_err(|reason| say(format_args!("can-bridge: the status stream ends: {reason}")))
+        };
+        Ok(Self { outlet: Outlet::new("status", write)? })
     }
 
-    /// A line, at once.
-    pub fn write(&mut self, value: &Value) -> io::Result<()> {
-        writeln!(self.writer, "{value}")?;
-        self.writer.flush()
+    /// A line.
+    pub fn write(&self, value: &Value) {
+        self.outlet.push(format!("{value}\n"));
+    }
+
+    /// Waits for its readers, but not for long. How many lines were not written.
+    pub fn finish(&self) -> u64 {
+        self.outlet.finish()
     }
 }

@@ -203,6 +203,20 @@ fn one_signal_ramps_down_and_a_second_cuts_off() {
     assert_off(&bench);
 }
 
+/// Whoever ends it has to know that a drive may still pull.
+#[test]
+fn drives_that_do_not_confirm_that_they_are_off_are_no_good_end() {
+    let mut controller = library();
+    let mut bench = Bench::new(&mut controller);
+    bench.start();
+    bench.stop.store(1, std::sync::atomic::Ordering::Relaxed);
+    bench.until(State::Stopping);
+    // For less than the cycles that are bridged.
+    bench.rig.lock().unwrap().drives[2].faults.is_silent = true;
+    let end = std::iter::from_fn(|| Some(bench.cycle())).flatten().next();
+    assert_eq!(end, Some(End::Faulted));
+}
+
 fn assert_off(bench: &Bench) {
     let rig = bench.rig.lock().unwrap();
     assert!(rig.drives.iter().all(|drive| drive.state() == DriveState::SwitchOnDisabled));

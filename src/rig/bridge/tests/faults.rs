@@ -342,6 +342,50 @@ fn what_is_wrong_at_the_start_is_said_and_nothing_is_pulled() {
 }
 
 #[test]
+fn a_load_cell_that_is_dead_wrongly_scaled_or_of_another_cable_never_gets_ready() {
+    type Case = (&'static str, fn(&mut Bench));
+    let cases: [Case; 5] = [
+        ("dead", |b| b.rig.cells[2].cells[0].2 = CellFault::Says(0.0)),
+        ("a ten-thousandth", |b| b.rig.cells[2].cells[0].1.scale = 1e4),
+        ("three times as much", |b| b.rig.cells[2].cells[0].1.scale = 1.0 / 3.0),
+        ("half", |b| b.rig.cells[2].cells[0].1.scale = 2.0),
+        ("swapped with the next", |b| (b.rig.cells[2].cells[0].0, b.rig.cells[3].cells[0].0) = (3, 2)),
+    ];
+    for (name, is_wrong) in cases {
+        let mut bench = bench();
+        is_wrong(&mut bench);
+        assert!(!bench.start(), "{name}: enabled");
+        let fault = bench.bridge.fault.unwrap();
+        println!("{name}: {fault}");
+        let is_expected = |fault| {
+            matches!(fault, Fault::LoadCellDisagrees { cable: 3, .. } | Fault::LoadCellStuck { cable: 3 })
+        };
+        assert!(is_expected(fault), "{name}: {fault}");
+        assert_eq!((bench.bridge.state(), bench.rig.support()), (State::Fault, Support::Stand), "{name}");
+    }
+}
+
+/// A motor that is wired the other way round, or whose direction is wrong in the rig file.
+#[test]
+fn a_cable_that_is_paid_out_while_slack_is_taken_up_is_a_fault() {
+    let mut bench = bench();
+    assert!(bench.run_until(State::Homing, 20.0));
+    bench.run(0.1);
+    bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+    bench.run(1.0);
+    let winch = bench.bridge.config.drives[2].winch;
+    for k in 1..=100 {
+        bench.rig.drives[2].faults.encoder_error = winch.counts(0.001 * f64::from(k), 0);
+        bench.run(0.01);
+    }
+    assert!(
+        matches!(bench.bridge.fault, Some(Fault::LooseCable { cable: 3, length }) if length < -0.05),
+        "{:?}",
+        bench.bridge.fault
+    );
+}
+
+#[test]
 fn lost_and_doubled_frames_are_ridden_through() {
     for link in [
         LinkFaults { loss: 0.01, ..LinkFaults::default() },
@@ -399,4 +443,58 @@ fn a_clock_that_goes_back_while_nothing_moves_does_no_harm() {
         assert_eq!((report.state, report.fault), (State::Homing, None));
         out.frames().iter().for_each(|(bus, frame)| bench.rig.on_frame(*bus, frame, now, &mut coming));
     }
+}
+
+/// CiA 402 has no control word that keeps one drive enabled and does not lead up another that shares its frame.
+#[test]
+fn a_drive_that_fell_out_pulls_nothing_even_if_the_word_it_shares_leads_it_up() {
+    for text in [on_two_buses(), AKD.to_owned()] {
+        let mut bench = moving(with_noise(Config::parse(&text).unwrap()), 0.4);
+        bench.suffer("drive 2 blocked").unwrap();
+        bench.run(1.0);
+        assert_eq!(bench.bridge.state(), State::Fault);
+        assert_eq!(bench.bridge.fault, Some(Fault::DriveLeft { node: 2, state: DriveState::SwitchedOn }));
+        bench.suffer("drive 2 well").unwrap();
+        bench.run(1.0);
+        let pulls = bench.rig.motor_tension();
+        assert!(pulls[1] == 0.0 && pulls[0] > 1.0 && pulls[2] > 1.0, "{pulls:?}");
+    }
+}
+
+#[test]
+fn what_fails_after_the_first_fault_is_logged_once_each() {
+    let mut bench = moving(bench(), 0.4);
+    bench.rig.drives[2].faults.is_silent = true;
+    bench.run(1.0);
+    assert_eq!(bench.bridge.state(), State::Fault);
+    bench.rig.drives[5].node.faults.no_heartbeat = true;
+    bench.run(0.5);
+    for _ in 0..10 {
+        bench.bridge.on_transport_error(0, TransportError::Down);
+        bench.cycle();
+    }
+    let faults: Vec<_> = bench.events.iter().filter(|(_, event)| matches!(event, Event::Fault(_))).collect();
+    println!("{faults:?}");
+    let expected = [
+        Fault::EncoderSilent { cable: 3 },
+        Fault::HeartbeatLost { node: 6 },
+        Fault::Transport { bus: 0, error: TransportError::Down },
+    ];
+    for fault in expected {
+        assert_eq!(faults.iter().filter(|(_, event)| *event == Event::Fault(fault)).count(), 1, "{fault}");
+    }
+    assert_eq!(bench.bridge.fault, Some(Fault::EncoderSilent { cable: 3 }));
+}
+
+#[test]
+fn a_burst_of_emergency_messages_hides_neither_the_fault_nor_the_state() {
+    let mut bench = moving(bench(), 0.4);
+    for _ in 0..300 {
+        bench.inject(0, Emergency { node: 3, code: 0x2310, register: 1, maker: [0; 5] }.frame());
+    }
+    bench.cycle();
+    let has = |wanted: fn(&Event) -> bool| bench.events.iter().any(|(_, event)| wanted(event));
+    assert!(has(|event| matches!(event, Event::Fault(Fault::Emergency(_)))));
+    assert!(has(|event| *event == Event::Entered(State::Stopping)));
+    assert!(has(|event| *event == Event::Lost(300 - 64)));
 }

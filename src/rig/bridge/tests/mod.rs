@@ -1,6 +1,7 @@
 //! The bridge against the simulated rig, in memory.
 
 mod faults;
+mod masters;
 mod safe_output;
 
 use super::*;
@@ -21,8 +22,9 @@ fn with_safe_output(output: SafeOutput) -> Bench {
     with_noise(config)
 }
 
+/// With 0.05 N chance decides when the platform is at rest, and so when it sets out.
 fn with_noise(config: Config) -> Bench {
-    let imperfections = PlantParameters { load_cell_noise: 0.05, ..PlantParameters::default() };
+    let imperfections = PlantParameters { load_cell_noise: 0.01, ..PlantParameters::default() };
     Bench::new(config, imperfections).unwrap()
 }
 
@@ -69,8 +71,8 @@ fn the_same_inputs_give_the_same_bits() {
     assert_eq!(run(), run());
 }
 
-#[test]
-fn shared_frames_and_two_buses_carry_the_same_move() {
+/// Three drives share a frame, and a bus.
+fn on_two_buses() -> String {
     let mut text = AKD.replacen("[[buses]]", "[[buses]]\nname = \"can1\"\nbit_rate = 1e6\n\n[[buses]]", 1);
     for (node, (id, slot)) in
         (1..).zip([("0x201", 1), ("0x201", 2), ("0x201", 3), ("0x204", 1), ("0x204", 2), ("0x204", 3)])
@@ -83,6 +85,12 @@ fn shared_frames_and_two_buses_carry_the_same_move() {
             &format!("bus = \"{bus}\"\nnode = {node}\ntorque_frame = {{ id = {id}, slot = {slot} }}\n"),
         );
     }
+    text
+}
+
+#[test]
+fn shared_frames_and_two_buses_carry_the_same_move() {
+    let mut text = on_two_buses();
     for (cell, (bus, node)) in
         (11..).zip([("can1", 11), ("can1", 11), ("can1", 11), ("can0", 14), ("can0", 14), ("can0", 14)])
     {
@@ -101,7 +109,9 @@ fn shared_frames_and_two_buses_carry_the_same_move() {
     let loads = crate::rig::bus_load::check(&config).unwrap();
     assert_eq!(loads.iter().map(|bus| bus.frames).collect::<Vec<_>>(), [6, 6]);
     let bench = moving(with_noise(config), 12.0);
-    assert_eq!(bench.sent().iter().filter(|(bus, _)| *bus == 1).count(), 2, "{:?}", bench.sent());
+    let is_torque = |frame: &Frame| (0x200..0x580).contains(&frame.id());
+    let torques = bench.sent().iter().filter(|(_, frame)| is_torque(frame)).map(|(bus, _)| *bus);
+    assert_eq!(torques.collect::<Vec<_>>(), [0, 1], "{:?}", bench.sent());
     let there = bench.rig.plant().encoder_pose.position();
     assert!((there - nalgebra::Vector3::new(0.15, 0.15, 1.0)).norm() < 5e-3, "{there}");
 }
@@ -132,6 +142,34 @@ fn a_shadow_computes_the_same_and_sends_nothing() {
         }
     }
     assert!(compared > 1000, "{compared}");
+}
+
+/// Beside another controller that moves the platform elsewhere: what the shadow would pull moves nothing.
+#[test]
+fn a_shadows_force_loop_does_not_wind_up() {
+    let mut bench = bench();
+    assert!(bench.start());
+    bench.run(1.0);
+    let parameters = bench.parameters();
+    let mut shadows = [true, false].map(|force_loop| {
+        let controller =
+            LibraryController::new(crate::plan::ControllerParameters { force_loop, ..parameters });
+        (Bridge::shadow(config()), controller)
+    });
+    let mut out = FrameQueue::new();
+    bench.run(0.1);
+    bench.go_to(0.03, 0.0, 1.0);
+    let mut apart = 0.0f64;
+    for _ in 0..3000 {
+        bench.cycle();
+        let [with, without] = shadows.each_mut().map(|(shadow, controller)| {
+            bench.heard().iter().for_each(|(bus, frame)| shadow.on_frame(*bus, frame, bench.now));
+            shadow.cycle(bench.now, controller, &mut out).tension
+        });
+        apart = (0..CABLES).map(|i| (with[i] - without[i]).abs()).fold(0.0, f64::max);
+    }
+    println!("the force loop adds {apart:.2} N");
+    assert!(apart < 1.0, "{apart} N");
 }
 
 /// A frame that may be anything, most often one that the bridge listens to.

@@ -96,3 +96,33 @@ fn an_enable_that_was_held_all_along_does_not_lift_the_platform() {
     bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
     assert!(bench.run_until(State::Enabled, 0.1));
 }
+
+/// The platform falls; what its encoders say then is no fault.
+#[test]
+fn a_release_to_torque_off_stays_a_release_while_the_platform_falls() {
+    let mut bench = moving(with_safe_output(SafeOutput::TorqueOff), 0.4);
+    bench.is_pressed = false;
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    bench.run(2.0);
+    assert_eq!((bench.bridge.state(), bench.bridge.fault), (State::Safe, None));
+    assert_eq!(bench.rig.support(), Support::Floor);
+}
+
+/// It falls on the floor and stops there within a cycle.
+#[test]
+fn after_a_reset_of_a_hanging_platform_the_encoders_are_believed_again() {
+    let mut bench = moving(bench(), 0.4);
+    bench.is_pressed = false;
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    bench.run(1.0);
+    bench.bridge.operator(OperatorCommand::Reset, bench.now).unwrap();
+    assert!(bench.run_until(State::Homing, 5.0), "{:?}", bench.events.last());
+    // As an encoder sees a fall that ends.
+    let winch = bench.bridge.config.drives[2].winch;
+    for k in 0..200 {
+        bench.rig.drives[2].faults.encoder_error = winch.counts(0.004 * f64::from(k.min(20)), 0);
+        bench.cycle();
+    }
+    bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+    assert_eq!(bench.bridge.state(), State::TakingUpSlack);
+}

@@ -1,0 +1,66 @@
+//! What a person reads on stderr: lines, and below them the status. Nobody waits for it to be written: the platform is to be held also
+//! when a terminal is gone, or stopped.
+
+use std::fmt::Display;
+use std::io::Write;
+use std::sync::OnceLock;
+
+use anyhow::Result;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::outlet::Outlet;
+
+enum Text {
+    Line(String),
+    Status(String),
+    NoStatus,
+}
+
+static OUTLET: OnceLock<Outlet<Text>> = OnceLock::new();
+
+/// Starts the thread that writes. To be called before the calling thread gets a priority, which it would inherit.
+pub fn start() -> Result<()> {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    bar.set_style(ProgressStyle::with_template("{wide_msg}")?);
+    let write = move |text| {
+        match text {
+            Text::Line(line) => bar.suspend(|| print(&line)),
+            Text::Status(line) => {
+                bar.set_message(line);
+                bar.tick();
+            }
+            Text::NoStatus => bar.finish_and_clear(),
+        }
+        Ok(())
+    };
+    let _ = OUTLET.set(Outlet::new("terminal", write)?);
+    Ok(())
+}
+
+/// A line.
+pub fn say(text: impl Display) {
+    match OUTLET.get() {
+        Some(outlet) => outlet.push(Text::Line(text.to_string())),
+        None => print(&text.to_string()),
+    }
+}
+
+/// What the last line of a terminal shows from now on.
+pub fn show(status: String) {
+    OUTLET.get().into_iter().for_each(|outlet| outlet.push(Text::Status(status.clone())));
+}
+
+/// No status any more.
+pub fn show_nothing() {
+    OUTLET.get().into_iter().for_each(|outlet| outlet.push(Text::NoStatus));
+}
+
+/// Waits for what is still to be read, but not for somebody who does not read.
+pub fn finish() {
+    OUTLET.get().map(Outlet::finish);
+}
+
+fn print(line: &str) {
+    // Nobody is left to tell if it fails.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
