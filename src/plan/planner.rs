@@ -96,8 +96,8 @@ impl Planner {
         match self.parameters.planner {
             PlannerKind::Bounded if now.is_steady() => {
                 let next = self.bounded(now.set_point, goal);
-                // What is left of a motion must not slacken a cable either: then it has to wait.
-                next.filter(|next| self.is_proved(now, next, 0.0))
+                // What is left of a motion must not slacken a cable either: then it has to wait. (15) itself has room for held commands.
+                next.filter(|next| self.is_proved(&Situation { hold: 0.0, ..*now }, next, 0.0))
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
