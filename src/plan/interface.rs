@@ -11,7 +11,7 @@ use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters}
 pub enum PlannerKind {
     /// The paper's reachable domain, Eq. (15): steps in x and y from rest.
     Bounded = 1,
-    /// Exactly the admissible translations, and every other step that the certificate proves, from any state: a set point at every tick.
+    /// Every step that the certificate proves, in all six coordinates and from any state: a set point at every tick.
     Exact = 2,
 }
 

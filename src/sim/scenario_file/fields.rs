@@ -127,7 +127,7 @@ pub struct Controller {
 pub enum Planner {
     /// The paper's, Eq. (15).
     Bounded,
-    /// Exactly the admissible translations.
+    /// Every step that the certificate proves, in all six coordinates.
     Exact,
 }
 
