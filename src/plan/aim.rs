@@ -9,6 +9,7 @@ use super::nearest::{nearest_admissible, workspace_facets};
 use super::planner::{FAR, Planner, STEEPEST, horizontal, is_upright};
 use crate::reach::quadratic_program::minimise;
 use crate::robot::dynamics::static_tensions;
+use crate::robot::pose::PITCH;
 use crate::robot::{CABLES, PerCable, Pose};
 
 /// Halvings of the straight way to the goal in the search for the last pose on it at which the robot can rest.
@@ -24,8 +25,6 @@ const CORRECTIONS: usize = 2;
 const SPARE: f64 = 1e-6;
 /// For differences of tensions and ways, m and rad.
 const DIFFERENCE: f64 = 1e-6;
-/// Where the pitch stands among the coordinates.
-const PITCH: usize = 4;
 
 impl Planner {
     /// Where `Exact` makes for: the goal, or if the robot cannot rest there, a pose where it can, with twice the margin that it keeps on the

@@ -44,17 +44,13 @@ mod tests {
     use crate::plan::ControllerParameters;
     use crate::reach::static_workspace;
 
-    fn planner(parameters: ControllerParameters) -> Planner {
-        Planner::from(parameters)
-    }
-
     #[test]
     fn literal_sequence_has_four_set_points_on_the_diagonal() {
         let parameters = ControllerParameters::default();
         let goal = Pose::at(0.15, 0.15, 1.0);
         let mut sequence = vec![];
         let mut from = Pose::default();
-        while let Some(next) = planner(parameters).bounded(&from, &goal) {
+        while let Some(next) = Planner::from(parameters).bounded(&from, &goal) {
             sequence.push(next.0[0]);
             assert_eq!(next.0[0], next.0[1]);
             from = next;
@@ -68,7 +64,7 @@ mod tests {
 
     #[test]
     fn other_motions_than_horizontal_ones_get_no_set_point() {
-        let planner = planner(ControllerParameters::default());
+        let planner = Planner::from(ControllerParameters::default());
         for goal in [
             Pose::at(0.1, 0.0, 0.9),
             Pose::at(0.0, 0.0, -1.0),
@@ -81,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_goal_outside_is_approached_from_inside() {
-        let planner = planner(ControllerParameters::default());
+        let planner = Planner::from(ControllerParameters::default());
         let goal = Pose::at(0.0, 0.4, 1.0);
         let mut from = Pose::default();
         while let Some(next) = planner.bounded(&from, &goal) {
@@ -120,7 +116,7 @@ mod tests {
             let z = rng.random_range(0.3..2.0);
             let (lambda, eta) = (rng.random_range(1.0..8.0), rng.random_range(1.0..8.0));
             let parameters = ControllerParameters { lambda, eta, ..Default::default() };
-            let (planner, pose) = (planner(parameters), |p: &Vector2<f64>| Pose::at(p.x, p.y, z));
+            let (planner, pose) = (Planner::from(parameters), |p: &Vector2<f64>| Pose::at(p.x, p.y, z));
             while let Some(next) = planner.bounded(&pose(&from), &pose(&goal)) {
                 let expected = literal(&parameters, &from, &goal, z);
                 assert_eq!(

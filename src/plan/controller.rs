@@ -9,6 +9,7 @@ use super::planner::{LARGEST_PITCH, Planner, Situation, is_worth_it};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov};
 use crate::robot::dynamics::static_tensions;
+use crate::robot::pose::PITCH;
 use crate::robot::{CABLES, Coordinates, ParameterError, PerCable, Pose, forward_kinematics};
 
 /// A pose measured farther than this from where it was, plus what the robot can travel meanwhile, is a sensor fault.
@@ -169,7 +170,7 @@ impl Controller {
 
     /// Below the base and not turned on edge.
     fn is_usable(pose: &Pose) -> bool {
-        pose.0[2] > 0.0 && pose.0[4].abs() < LARGEST_PITCH
+        pose.0[2] > 0.0 && pose.0[PITCH].abs() < LARGEST_PITCH
     }
 
     fn is_jump(&self, pose: &Pose, dt: f64) -> bool {
@@ -212,7 +213,10 @@ impl Controller {
         let set_point = self.outputs.set_point;
         let goal = &self.take_goal(goal);
         let next = self.planner.next_set_point(&self.situation(), &self.aim);
-        let stuck = self.is_steady() && next.is_none() && self.planner.is_stuck(&self.situation(), &self.aim);
+        let stuck = self.is_steady()
+            && next.is_none()
+            && set_point != self.aim
+            && !self.planner.waits(&self.situation(), &self.aim);
         self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
         let instead = if stuck { set_point } else { self.aim };
         self.outputs.goal_distance =

@@ -10,6 +10,7 @@ use super::interface::ControllerParameters;
 use super::planner::{Planner, STEEPEST, Situation, is_worth_it};
 use crate::reach::certificate::{Step, certify_within};
 use crate::reach::{Curve, ExactDomain, Verdict};
+use crate::robot::pose::PITCH;
 use crate::robot::{Pose, TensionLimits};
 
 /// Tension that is left unused beside the limits, as a part of the weight: 0.1 N with Table I.
@@ -70,8 +71,8 @@ impl Planner {
     /// Undecided is no. The pitch must stay where the angles tell the orientation.
     pub(super) fn is_proved(&self, now: &Situation, set_point: &Pose, least: f64) -> bool {
         let gains = self.parameters.gains();
-        let error = now.pose.minus(set_point)[4];
-        let pitch = Curve { a: set_point.0[4], b: error, c: now.rates[4], d: 0.0 }.extremes(&gains);
+        let error = now.pose.minus(set_point)[PITCH];
+        let pitch = Curve { a: set_point.0[PITCH], b: error, c: now.rates[PITCH], d: 0.0 }.extremes(&gains);
         if pitch.min <= -STEEPEST || pitch.max >= STEEPEST {
             return false;
         }

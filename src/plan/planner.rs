@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::interface::{ControllerParameters, PlannerKind};
+use crate::robot::pose::PITCH;
 use crate::robot::{
     CABLES, Coordinates, Geometry, PerCable, Pose, Rig, TensionLimits, dynamics::static_tensions,
 };
@@ -104,13 +105,9 @@ impl Planner {
         }
     }
 
-    /// Whether there is no set point nearer to the goal than the active one, however long the robot rests there.
-    pub fn is_stuck(&self, now: &Situation, goal: &Pose) -> bool {
-        now.set_point != goal
-            && match self.parameters.planner {
-                PlannerKind::Bounded => self.bounded(now.set_point, goal).is_none(),
-                PlannerKind::Exact => self.exact(now, goal).is_none(),
-            }
+    /// Whether there is a set point that is not given yet, but will be when the robot has come closer to rest.
+    pub fn waits(&self, now: &Situation, goal: &Pose) -> bool {
+        self.parameters.planner == PlannerKind::Bounded && self.bounded(now.set_point, goal).is_some()
     }
 
     /// Whether the robot can rest at the goal with every tension within its limits, and the planner's domain speaks of the motion to it: for
@@ -131,7 +128,7 @@ impl Planner {
     pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
         let ControllerParameters { min_tension, max_tension, robot, .. } = &self.parameters;
         let is_sensible =
-            pose.0[2] > 0.0 && pose.position().amax() <= FAR * robot.a && pose.0[4].abs() < STEEPEST;
+            pose.0[2] > 0.0 && pose.position().amax() <= FAR * robot.a && pose.0[PITCH].abs() < STEEPEST;
         let tension = static_tensions(robot, &self.geometry, pose).filter(|_| is_sensible);
         let margin = |u: f64| (u - min_tension).min(max_tension - u);
         tension.map_or(f64::NEG_INFINITY, |u| u.into_iter().map(margin).fold(f64::INFINITY, f64::min))

@@ -6,6 +6,11 @@ use serde::{Deserialize, Serialize};
 /// Generalised coordinates q = (x, y, z, roll, pitch, yaw) or their rates, in m and rad.
 pub type Coordinates = Vector6<f64>;
 
+/// Where roll and pitch stand among the coordinates.
+pub const ROLL: usize = 3;
+/// As [`ROLL`].
+pub const PITCH: usize = 4;
+
 /// Pose of the platform in the base frame (origin at the centre of the base plane, z down).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose(pub Coordinates);

@@ -101,7 +101,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "cable-robot: {}", with_short_lines(&format!("{error:#}")));
+            say(format_args!("cable-robot: {}", with_short_lines(&format!("{error:#}"))));
             ExitCode::FAILURE
         }
     }
@@ -125,6 +125,11 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
         };
         io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)
     })
+}
+
+/// A line for whoever reads stderr, if anybody still does.
+fn say(text: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Writes a result to stdout. That nobody reads it to the end changes nothing of what the exit code says.

@@ -29,9 +29,18 @@ impl RigArgument {
 
     /// The controller for the rig, which must have the shape of the paper's.
     pub fn controller(&self, planner: PlannerKind) -> Result<ControllerParameters> {
+        Ok(self.read_with_controller(planner)?.1)
+    }
+
+    /// Both.
+    pub fn read_with_controller(&self, planner: PlannerKind) -> Result<(RigFile, ControllerParameters)> {
         match &self.path {
-            Some(path) => Ok(read_with_controller(path, planner)?.1),
-            None => controller(&RigFile::default(), planner),
+            Some(path) => read_with_controller(path, planner),
+            None => {
+                let file = RigFile::default();
+                let controller = controller(&file, planner)?;
+                Ok((file, controller))
+            }
         }
     }
 

@@ -93,10 +93,10 @@ impl Workspace {
             print(&as_text(&slice, found.as_ref()))?;
         }
         if let Some(found) = found.filter(|found| found.unseen > WORTH_SAYING) {
-            eprintln!(
+            crate::say(format_args!(
                 "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
                 100.0 * found.unseen
-            );
+            ));
         }
         Ok(Outcome::Done)
     }

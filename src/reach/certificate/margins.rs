@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::Cause;
 use super::motion::Step;
 use super::statics::{Cables, stiffness};
+use crate::robot::pose::{PITCH, ROLL};
 use crate::robot::{CABLES, Coordinates, Pose, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
@@ -15,9 +16,6 @@ const UPWARDS: f64 = 1.0 + 1e-9;
 const GROWTH: f64 = 1.02;
 /// Bounds tried.
 const MOST_BOUNDS: usize = 200;
-/// Where these angles stand among the coordinates.
-const ROLL: usize = 3;
-const PITCH: usize = 4;
 
 /// Bounds of what the controller does not know or cannot do; all zero is the closed form itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

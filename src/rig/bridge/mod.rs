@@ -353,20 +353,9 @@ impl Bridge {
 
     /// Whether cables may be under tension by the bridge's doing.
     fn is_active(&self) -> bool {
-        match self.mode {
-            Mode::TakingUpSlack { .. }
-            | Mode::Ready
-            | Mode::Enabled { .. }
-            | Mode::Stopping { .. }
-            | Mode::Safe(_) => true,
-            Mode::Fault(pull) => pull.is_some(),
-            Mode::Listening { .. }
-            | Mode::Quieting { .. }
-            | Mode::Configuring
-            | Mode::Homing { .. }
-            | Mode::Off
-            | Mode::Shadow { .. } => false,
-        }
+        let is_on_the_way =
+            matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. } | Mode::Safe(_));
+        is_on_the_way || self.is_pulling()
     }
 
     /// Whether the drives are to be in Operation enabled by now.

@@ -6,6 +6,7 @@ use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::extremes::{Extremes, TensionAt};
 use cable_robot::plan::planner::{FAR, Planner as SetPoints, STEEPEST};
 use cable_robot::robot::Pose;
+use cable_robot::robot::pose::PITCH;
 use serde_json::{Value, json};
 
 use super::{Barrier, MOST_SET_POINTS, Obstacle, Plan, Planned};
@@ -58,7 +59,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
     if plan.is_turned() && plan.planner == Planner::Bounded {
         *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
     }
-    let is_steep = plan.to.0[4].abs() >= STEEPEST;
+    let is_steep = plan.to.0[PITCH].abs() >= STEEPEST;
     if is_steep {
         let _ = writeln!(
             text,

@@ -191,7 +191,7 @@ impl Drop for FmuModel {
 /// Passes on what the FMU has to say beyond remarks.
 fn say(message: &LogMessage) {
     if message.status > Status::Ok {
-        eprintln!("{}: {}", message.instance, message.text);
+        crate::say(format_args!("{}: {}", message.instance, message.text));
     }
 }
 

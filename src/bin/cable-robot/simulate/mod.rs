@@ -27,7 +27,7 @@ use self::summary::Summary;
 use crate::arguments::{Planner, pose, seconds};
 use crate::progress::Progress;
 use crate::rig::{RigArgument, require_rest};
-use crate::{Outcome, is_closed_pipe, print, print_json};
+use crate::{Outcome, is_closed_pipe, print, print_json, say};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
@@ -113,14 +113,14 @@ impl Simulate {
         // What went well until a failure is worth keeping.
         let written = self.write(&recorded, &interruption);
         if interruption.gives_up() && written.is_err() {
-            eprintln!("interrupted: nothing was written");
+            say("interrupted: nothing was written");
             return Ok(Outcome::Interrupted);
         }
         written?;
         let status = self.tell(&scenario, &recorded)?;
         Ok(match (end?, status) {
             (End::Interrupted, _) => {
-                eprintln!("interrupted: {:?} s were to be simulated", scenario.duration);
+                say(format_args!("interrupted: {:?} s were to be simulated", scenario.duration));
                 Outcome::Interrupted
             }
             (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault)) => Outcome::NotReachable,
@@ -167,8 +167,7 @@ impl Simulate {
 
     /// One goal, an ideal rig.
     fn short_form(&self, to: Pose) -> Result<Scenario> {
-        let file = self.rig.read()?;
-        let controller = self.rig.controller(self.planner.kind())?;
+        let (file, controller) = self.rig.read_with_controller(self.planner.kind())?;
         let from = self.from.unwrap_or(file.home);
         if let Err(right) = count_steps(self.duration, self.step) {
             bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
@@ -216,7 +215,11 @@ impl Simulate {
                 let mut names: Vec<_> =
                     lacking.iter().filter_map(|name| name.split(['.', '[']).nth(1)).collect();
                 names.dedup();
-                eprintln!("{} lacks outputs, which are not recorded: {}", path.display(), names.join(", "));
+                say(format_args!(
+                    "{} lacks outputs, which are not recorded: {}",
+                    path.display(),
+                    names.join(", ")
+                ));
             }
             models.lacking.extend(lacking);
         }

@@ -47,12 +47,16 @@ pub fn say(text: impl Display) {
 
 /// What the last line of a terminal shows from now on.
 pub fn show(status: String) {
-    OUTLET.get().into_iter().for_each(|outlet| outlet.push(Text::Status(status.clone())));
+    if let Some(outlet) = OUTLET.get() {
+        outlet.push(Text::Status(status));
+    }
 }
 
 /// No status any more.
 pub fn show_nothing() {
-    OUTLET.get().into_iter().for_each(|outlet| outlet.push(Text::NoStatus));
+    if let Some(outlet) = OUTLET.get() {
+        outlet.push(Text::NoStatus);
+    }
 }
 
 /// Waits for what is still to be read, but not for somebody who does not read.
