@@ -4,6 +4,7 @@ pub mod dynamics;
 pub mod forward;
 pub mod geometry;
 pub mod parameters;
+pub mod per_cable;
 pub mod pose;
 pub mod rig;
 pub mod rig_file;
