@@ -1,44 +1,78 @@
-//! Any rig: cables from anchors on a base to attachments on a platform, with limits of tension.
+//! Any rig: cables from anchors on a base to attachments on a platform, what hangs from them, and what they may pull.
 
-use nalgebra::{Matrix3, Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{CABLES, Geometry, Pose, RobotParameters};
+use super::parameters::RobotParameters;
+use super::per_cable::PerCable;
+use super::pulley::Pulley;
+use super::{Pose, triangles};
 
+/// A body has six degrees of freedom: a rig needs at least as many cables.
+pub const LEAST_CABLES: usize = 6;
 /// A rig is degenerate at a pose if the smallest singular value of its wrench matrix, torques taken at the platform's radius, is
 /// less than this share of the largest: errors of the geometry would show in the tensions a million times larger.
 pub const SINGULARITY_THRESHOLD: f64 = 1e-6;
 /// Points count as lying on a line or in a plane within this share of their extent.
 const FLATNESS: f64 = 1e-9;
-/// How closely anchors and attachments must agree with the paper's for a rig to be of its shape, m.
-const SAME_SHAPE: f64 = 1e-9;
 
-/// Tensions that the drives and cables allow, N.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Tensions that the drive of a cable and the cable allow, N. By default a cable may pull with anything and be slack.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TensionLimits {
-    /// Least tension of a cable; at zero it is slack.
+    /// Least tension; at zero the cable is slack.
     pub min: f64,
-    /// Greatest tension of a cable.
+    /// Greatest tension; infinite where nothing limits it.
     pub max: f64,
 }
 
-/// A rig of six or more cables. Cable i runs from `anchors[i]` to `attachments[i]`.
-#[derive(Clone, Debug, PartialEq)]
+impl TensionLimits {
+    /// What is left with `margin` (N) kept from either limit.
+    #[must_use]
+    pub fn shrunk(&self, margin: f64) -> Self {
+        Self { min: self.min + margin, max: self.max - margin }
+    }
+
+    /// How far inside the limits a tension is, N; negative outside.
+    pub fn margin(&self, tension: f64) -> f64 {
+        (tension - self.min).min(self.max - tension)
+    }
+}
+
+impl Default for TensionLimits {
+    fn default() -> Self {
+        Self { min: 0.0, max: f64::INFINITY }
+    }
+}
+
+/// One cable of a rig.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cable {
+    /// Where it leaves the base, m, base frame. With a pulley: the point on the pulley's swivel axis where the cable runs onto it.
+    pub anchor: Vector3<f64>,
+    /// Where it holds the platform, m, in the platform's frame, whose origin is the centre of mass.
+    pub attachment: Vector3<f64>,
+    /// What it may pull.
+    pub limits: TensionLimits,
+    /// The swivelling pulley at the anchor, if there is one.
+    pub pulley: Option<Pulley>,
+}
+
+/// A rig of six or more cables: plain data.
+///
+/// The base frame is the user's: its origin is anywhere, and `gravity` says where down is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rig {
-    /// What people call it.
-    pub name: String,
-    /// Anchors in the base frame (z down), m.
-    pub anchors: Vec<Vector3<f64>>,
-    /// Attachments in the platform's frame, whose origin is the centre of mass, m.
-    pub attachments: Vec<Vector3<f64>>,
+    /// In the order of the cable numbers.
+    pub cables: PerCable<Cable>,
     /// Mass of the platform, kg.
     pub mass: f64,
-    /// Principal moments of inertia about the centre of mass along the platform's axes, kg m².
-    pub inertia: Vector3<f64>,
-    /// Gravitational acceleration along +z, m/s².
-    pub g: f64,
-    /// What each cable may pull.
-    pub limits: TensionLimits,
+    /// Inertia of the platform about its centre of mass, platform frame, kg m²: symmetric.
+    pub inertia: Matrix3<f64>,
+    /// Gravitational acceleration, m/s², base frame.
+    pub gravity: Vector3<f64>,
+    /// Anchors and attachments lie within this distance of where they are said to be, m.
+    pub accuracy: f64,
 }
 
 /// Why the cables of a rig cannot hold a platform.
@@ -61,7 +95,7 @@ pub enum DegenerateRig {
         "anchors and attachments all lie in one plane at the home pose: no tensions give a force across it"
     )]
     Coplanar,
-    /// Both ends of a cable are at the same place.
+    /// Both ends of a cable are at the same place, or its attachment is inside its pulley.
     #[error("cable {cable} has no length at the home pose")]
     NoLength {
         /// Cable number, from 1.
@@ -79,69 +113,84 @@ pub enum DegenerateRig {
 }
 
 impl Rig {
-    /// The paper's rig with other numbers in Table I, and these limits.
-    pub fn triangular(robot: &RobotParameters, limits: TensionLimits) -> Self {
-        let geometry = Geometry::new(robot);
+    /// The paper's rig with the numbers of Table I in `robot`, and the same limits for each cable.
+    pub fn paper(robot: &RobotParameters, limits: TensionLimits) -> Self {
+        let ends = triangles::ends(robot.a, robot.b);
+        let cable = |i: usize| Cable { anchor: ends[i].0, attachment: ends[i].1, limits, pulley: None };
         Self {
-            name: "Oh and Agrawal".to_owned(),
-            anchors: geometry.anchor.to_vec(),
-            attachments: geometry.attachment.to_vec(),
+            cables: PerCable::from_fn(ends.len(), cable),
             mass: robot.m,
-            inertia: Vector3::new(robot.i1, robot.i2, robot.i3),
-            g: robot.g,
-            limits,
+            inertia: Matrix3::from_diagonal(&Vector3::new(robot.i1, robot.i2, robot.i3)),
+            gravity: Vector3::new(0.0, 0.0, robot.g),
+            accuracy: 0.0,
         }
     }
 
-    /// The parameters that make the paper's rig this one; `None` if its cables do not run as the paper's do.
-    pub fn as_triangular(&self) -> Option<RobotParameters> {
-        let half_side = |end: &Vector3<f64>| 0.5 * 3f64.sqrt() * end.norm();
-        let robot = RobotParameters {
-            a: half_side(self.anchors.first()?),
-            b: half_side(self.attachments.first()?),
-            m: self.mass,
-            i1: self.inertia.x,
-            i2: self.inertia.y,
-            i3: self.inertia.z,
-            g: self.g,
-        };
-        let same = |ours: &[Vector3<f64>], theirs: &[Vector3<f64>]| {
-            ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| (a - b).amax() < SAME_SHAPE)
-        };
-        let shape = Geometry::new(&robot);
-        (same(&self.anchors, &shape.anchor) && same(&self.attachments, &shape.attachment)).then_some(robot)
+    /// The limits of each cable.
+    pub fn limits(&self) -> PerCable<TensionLimits> {
+        self.cables.map(|cable| cable.limits)
+    }
+
+    /// The same rig with other limits, the same for each cable.
+    #[must_use]
+    pub fn with_limits(mut self, limits: TensionLimits) -> Self {
+        self.cables.iter_mut().for_each(|cable| cable.limits = limits);
+        self
+    }
+
+    /// Limits that are within those of every cable.
+    pub fn common_limits(&self) -> TensionLimits {
+        let all = TensionLimits::default();
+        let both = |a: TensionLimits, b: TensionLimits| TensionLimits { min: a.min.max(b.min), max: a.max.min(b.max) };
+        self.cables.iter().fold(all, |common, cable| both(common, cable.limits))
     }
 
     /// Greatest distance of an attachment from the centre of mass, m.
     pub fn platform_radius(&self) -> f64 {
-        self.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max)
+        self.cables.iter().map(|cable| cable.attachment.norm()).fold(0.0, f64::max)
     }
 
-    /// Tensions to (force, torque about the centre of mass), base frame: a column a cable. Not finite where a cable has no length.
-    pub fn wrench_matrix(&self, pose: &Pose) -> Matrix6xX<f64> {
-        let (position, rotation) = (pose.position(), pose.rotation());
-        let mut matrix = Matrix6xX::zeros(self.anchors.len());
-        for i in 0..self.anchors.len() {
-            let arm = rotation * self.attachments[i];
-            let along = self.anchors[i] - position - arm;
-            let direction = along / along.norm();
-            matrix.fixed_view_mut::<3, 1>(0, i).copy_from(&direction);
-            matrix.fixed_view_mut::<3, 1>(3, i).copy_from(&arm.cross(&direction));
-        }
-        matrix
+    /// Middle of the anchors, m.
+    pub fn middle(&self) -> Vector3<f64> {
+        let sum: Vector3<f64> = self.cables.iter().map(|cable| cable.anchor).sum();
+        sum / self.cables.len() as f64
+    }
+
+    /// The rig's size: greatest distance of an anchor from the middle of the anchors, m.
+    pub fn radius(&self) -> f64 {
+        let middle = self.middle();
+        self.cables.iter().map(|cable| (cable.anchor - middle).norm()).fold(0.0, f64::max)
+    }
+
+    /// m |g|, N.
+    pub fn weight(&self) -> f64 {
+        self.mass * self.gravity.norm()
     }
 
     /// The wrench that the cables must give at rest: the weight, upwards. (N, N m).
     pub fn static_wrench(&self) -> Vector6<f64> {
-        Vector6::new(0.0, 0.0, -self.mass * self.g, 0.0, 0.0, 0.0)
+        let force = self.gravity * -self.mass;
+        Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
+    }
+
+    /// Whether a measured pose makes sense: finite, and with a cable that pulls against gravity. A platform above all its anchors has
+    /// none.
+    pub fn can_be_at(&self, pose: &Pose) -> bool {
+        let rotation = pose.rotation();
+        let up = |cable: &Cable| {
+            (cable.anchor - pose.position() - rotation * cable.attachment).dot(&self.gravity) < 0.0
+        };
+        pose.0.iter().all(|coordinate| coordinate.is_finite())
+            && (self.gravity == Vector3::zeros() || self.cables.iter().any(up))
     }
 
     /// Smallest over largest singular value of the wrench matrix, torques taken at the platform's radius: below
     /// [`SINGULARITY_THRESHOLD`] there is a force or torque that no tensions give.
     pub fn regularity(&self, pose: &Pose) -> f64 {
-        let mut matrix = self.wrench_matrix(pose);
-        matrix.rows_mut(3, 3).unscale_mut(self.platform_radius());
-        let singular_values = matrix.singular_values();
+        let columns = self.cables_at(pose).wrench_matrix();
+        let radius = self.platform_radius();
+        let scaled = |k: usize, i: usize| if k < 3 { columns[i][k] } else { columns[i][k] / radius };
+        let singular_values = DMatrix::from_fn(6, columns.len(), scaled).singular_values();
         singular_values.min() / singular_values.max()
     }
 
@@ -150,23 +199,24 @@ impl Rig {
     /// # Errors
     /// [`DegenerateRig`] with the cause.
     pub fn check(&self, home: &Pose) -> Result<(), DegenerateRig> {
-        let count = self.anchors.len();
-        if count < CABLES {
+        let count = self.cables.len();
+        if count < LEAST_CABLES {
             return Err(DegenerateRig::TooFewCables { count });
         }
         let (position, rotation) = (home.position(), home.rotation());
-        let ends: Vec<_> = self.attachments.iter().map(|b| position + rotation * b).collect();
-        for (name, points) in [("anchors", &self.anchors), ("attachments", &ends)] {
+        let anchors: Vec<_> = self.cables.iter().map(|cable| cable.anchor).collect();
+        let ends: Vec<_> = self.cables.iter().map(|cable| position + rotation * cable.attachment).collect();
+        for (name, points) in [("anchors", &anchors), ("attachments", &ends)] {
             if dimensions(points) < 2 {
                 return Err(DegenerateRig::Collinear { ends: name });
             }
         }
-        let short =
-            |(a, b): (&Vector3<f64>, &Vector3<f64>)| (a - b).norm() <= FLATNESS * self.platform_radius();
-        if let Some(i) = self.anchors.iter().zip(&ends).position(short) {
+        let least = FLATNESS * self.platform_radius();
+        let free = self.cables_at(home).free;
+        if let Some(i) = free.iter().position(|length| length.is_nan() || *length <= least) {
             return Err(DegenerateRig::NoLength { cable: i + 1 });
         }
-        if dimensions(&[self.anchors.clone(), ends].concat()) < 3 {
+        if dimensions(&[anchors, ends].concat()) < 3 {
             return Err(DegenerateRig::Coplanar);
         }
         let ratio = self.regularity(home);
@@ -188,28 +238,15 @@ mod tests {
     use super::*;
 
     fn paper() -> Rig {
-        Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
+        Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
     }
 
     #[test]
-    fn wrench_matrix_is_that_of_the_papers_geometry() {
-        let pose = Pose(Vector6::new(0.05, 0.02, 1.1, 0.1, 0.2, -0.1));
-        let cables = Geometry::new(&RobotParameters::default()).cables(&pose.position(), &pose.rotation());
-        assert!((paper().wrench_matrix(&pose) - cables.wrench_matrix()).amax() < 1e-15);
-    }
-
-    #[test]
-    fn the_papers_shape_is_recognised() {
-        let robot = RobotParameters { a: 0.7, b: 0.2, m: 3.0, ..RobotParameters::default() };
-        let limits = TensionLimits { min: 0.0, max: 100.0 };
-        let found = Rig::triangular(&robot, limits).as_triangular().unwrap();
-        assert!((found.a - 0.7).abs() < 1e-15 && (found.b - 0.2).abs() < 1e-15 && found.m == 3.0);
-        let mut bent = paper();
-        bent.anchors[4].y += 1e-6;
-        assert_eq!(bent.as_triangular(), None);
-        let mut low = paper();
-        low.attachments.iter_mut().for_each(|b| b.z += 0.01);
-        assert_eq!(low.as_triangular(), None);
+    fn a_platform_above_all_its_anchors_makes_no_sense() {
+        assert!(paper().can_be_at(&Pose::at(0.3, 0.0, 1.0)));
+        for z in [0.0, -1.0, f64::NAN] {
+            assert!(!paper().can_be_at(&Pose::at(0.3, 0.0, z)), "{z}");
+        }
     }
 
     #[test]
@@ -221,21 +258,20 @@ mod tests {
             rig.check(&home).unwrap_err()
         };
         assert_eq!(paper().check(&home), Ok(()));
-        let five = |rig: &mut Rig| {
-            rig.anchors.pop();
-            rig.attachments.pop();
-        };
+        let five = |rig: &mut Rig| rig.cables = PerCable::from_slice(&rig.cables[..5]).unwrap();
         assert_eq!(cause(five), DegenerateRig::TooFewCables { count: 5 });
-        let on_a_line = |rig: &mut Rig| rig.anchors.iter_mut().for_each(|a| (a.y, a.z) = (2.0 * a.x, 0.1));
+        fn each(rig: &mut Rig, change: fn(&mut Cable)) {
+            rig.cables.iter_mut().for_each(change);
+        }
+        let on_a_line = |rig: &mut Rig| each(rig, |c| (c.anchor.y, c.anchor.z) = (2.0 * c.anchor.x, 0.1));
         assert_eq!(cause(on_a_line), DegenerateRig::Collinear { ends: "anchors" });
-        let rod = |rig: &mut Rig| rig.attachments.iter_mut().for_each(|b| (b.y, b.z) = (0.0, 0.0));
+        let rod = |rig: &mut Rig| each(rig, |c| (c.attachment.y, c.attachment.z) = (0.0, 0.0));
         assert_eq!(cause(rod), DegenerateRig::Collinear { ends: "attachments" });
-        let flat = |rig: &mut Rig| rig.anchors.iter_mut().for_each(|a| a.z = 1.0);
-        assert_eq!(cause(flat), DegenerateRig::Coplanar);
-        let none = |rig: &mut Rig| rig.anchors[3] = rig.attachments[3] + Vector3::z();
+        assert_eq!(cause(|rig| each(rig, |c| c.anchor.z = 1.0)), DegenerateRig::Coplanar);
+        let none = |rig: &mut Rig| rig.cables[3].anchor = rig.cables[3].attachment + Vector3::z();
         assert_eq!(cause(none), DegenerateRig::NoLength { cable: 4 });
         // Anchor and attachment of every cable one above the other: nothing holds the platform sideways.
-        let parallel = |rig: &mut Rig| rig.anchors = rig.attachments.clone();
+        let parallel = |rig: &mut Rig| each(rig, |c| c.anchor = c.attachment);
         assert!(matches!(cause(parallel), DegenerateRig::Singular { ratio } if ratio < 1e-12));
     }
 }

@@ -1,12 +1,12 @@
 //! Rigs written as TOML: what a file may say, and what is wrong with one that is refused (docs/rigs.md).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use schemars::{JsonSchema, schema_for};
 use serde::Deserialize;
 use thiserror::Error;
 use toml::Spanned;
 
-use super::{DegenerateRig, Pose, Rig, TensionLimits};
+use super::{Cable, DegenerateRig, MOST_CABLES, PerCable, Pose, Pulley, Rig, TensionLimits};
 
 /// The paper's rig: Table I.
 const PAPER: &str = include_str!("../../rigs/paper.toml");
@@ -14,6 +14,8 @@ const PAPER: &str = include_str!("../../rigs/paper.toml");
 /// A rig and what a controller needs besides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigFile {
+    /// What people call the rig.
+    pub name: String,
     /// The rig.
     pub rig: Rig,
     /// A pose at which the wrench matrix is regular.
@@ -50,30 +52,83 @@ pub enum RigFileError {
         /// Why.
         cause: DegenerateRig,
     },
+    /// More cables than the program supports.
+    #[error("line {line}: {count} cables: at most {MOST_CABLES} are supported")]
+    TooManyCables {
+        /// Line of the first cable.
+        line: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// No cable pulls against gravity.
+    #[error(
+        "line {line}: home lies above every anchor: no cable can hold the platform there. {hint}"
+    )]
+    AboveAnchors {
+        /// Line of `home`.
+        line: usize,
+        /// What may be meant.
+        hint: &'static str,
+    },
 }
 
-/// A rig for cable-robot. SI units, angles in rad; the base frame has its origin where you like on the base, z pointing down.
+/// A rig for cable-robot. SI units, angles in rad, R = Rz(yaw) Ry(pitch) Rx(roll). The base frame has its origin where you like; `frame` says
+/// which way z points. Poses are those of the centre of mass in this frame.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "cable-robot rig")]
 struct File {
     /// What people call the rig.
     name: String,
-    /// Gravitational acceleration along +z, m/s²: greater than 0.
+    /// Which way the z axes of base and platform point at zero orientation; z-down if left out.
+    #[serde(default)]
+    frame: Frame,
+    /// Gravitational acceleration, m/s²: greater than 0.
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     gravity: Spanned<f64>,
     /// x, y, z of the centre of mass, m, base frame: a place where, with zero orientation, the wrench matrix is regular.
     #[schemars(with = "[f64; 3]")]
     home: Spanned<[f64; 3]>,
+    /// Anchors and attachments lie within this distance of where the file says, m: 0 or greater; 0 if left out.
+    #[schemars(with = "f64", default, extend("minimum" = 0, "default" = 0))]
+    accuracy: Option<Spanned<f64>>,
     /// What hangs from the cables.
     platform: Platform,
     /// What drives and cables allow.
     tension: Tension,
     /// Gains of the control law.
     gains: Gains,
-    /// Six or more, in the order of the cable numbers.
-    #[schemars(with = "Vec<Cable>", length(min = 6))]
-    cables: Vec<Spanned<Cable>>,
+    /// Six to sixteen, in the order of the cable numbers.
+    #[schemars(with = "Vec<CableEntry>", length(min = 6, max = 16))]
+    cables: Vec<Spanned<CableEntry>>,
+}
+
+/// Which way z points.
+#[derive(Clone, Copy, Default, Deserialize, JsonSchema)]
+enum Frame {
+    /// z points down, along gravity.
+    #[default]
+    #[serde(rename = "z-down")]
+    ZDown,
+    /// z points up, against gravity.
+    #[serde(rename = "z-up")]
+    ZUp,
+}
+
+impl Frame {
+    fn gravity(self, g: f64) -> Vector3<f64> {
+        match self {
+            Self::ZDown => Vector3::new(0.0, 0.0, g),
+            Self::ZUp => Vector3::new(0.0, 0.0, -g),
+        }
+    }
+
+    fn other(self) -> &'static str {
+        match self {
+            Self::ZDown => "Does z point up in this file? Then say frame = \"z-up\"",
+            Self::ZUp => "Does z point down in this file? Then leave out frame = \"z-up\"",
+        }
+    }
 }
 
 /// What hangs from the cables.
@@ -83,24 +138,27 @@ struct Platform {
     /// Mass, kg: greater than 0.
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     mass: Spanned<f64>,
-    /// Principal moments of inertia about the centre of mass, along the platform's axes x, y, z, kg m²: each greater than 0.
+    /// Moments of inertia Ixx, Iyy, Izz about the centre of mass, along the platform's axes, kg m²: each greater than 0.
     #[schemars(with = "[f64; 3]", extend("items" = {"type": "number", "exclusiveMinimum": 0}))]
     inertia: Spanned<[f64; 3]>,
+    /// Elements Ixy, Ixz, Iyz of the inertia tensor, kg m²; 0 if left out. (A product of inertia is often given with the other sign.)
+    #[schemars(with = "[f64; 3]", default, extend("default" = [0, 0, 0]))]
+    inertia_off_diagonal: Option<Spanned<[f64; 3]>>,
     /// Centre of mass, m, platform frame; (0, 0, 0) if left out.
     #[schemars(with = "[f64; 3]", default, extend("default" = [0, 0, 0]))]
     center_of_mass: Option<Spanned<[f64; 3]>>,
 }
 
-/// What drives and cables allow.
+/// What drives and cables allow. A cable may have limits of its own.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Tension {
     /// Least tension of a cable, N: 0 (slack) or greater.
     #[schemars(with = "f64", extend("minimum" = 0))]
     min: Spanned<f64>,
-    /// Greatest tension of a cable, N: greater than `min`.
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
-    max: Spanned<f64>,
+    /// Greatest tension of a cable, N: greater than `min`; left out where nothing limits it.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    max: Option<Spanned<f64>>,
 }
 
 /// Gains of the control law.
@@ -118,13 +176,36 @@ struct Gains {
 /// A cable from an anchor on the base to an attachment on the platform.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct Cable {
-    /// x, y, z of the end on the base, m, base frame.
+#[schemars(rename = "Cable")]
+struct CableEntry {
+    /// x, y, z of the end on the base, m, base frame. With a pulley: where the cable runs onto it, a point of its swivel axis.
     #[schemars(with = "[f64; 3]")]
     anchor: Spanned<[f64; 3]>,
     /// x, y, z of the end on the platform, m, platform frame.
     #[schemars(with = "[f64; 3]")]
     attachment: Spanned<[f64; 3]>,
+    /// Least tension of this cable, N; `tension.min` if left out.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    min_tension: Option<Spanned<f64>>,
+    /// Greatest tension of this cable, N; `tension.max` if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    max_tension: Option<Spanned<f64>>,
+    /// The swivelling pulley at the anchor; none if left out.
+    #[schemars(default)]
+    pulley: Option<PulleyEntry>,
+}
+
+/// A guide pulley that swivels about the line along which the cable comes from the winch.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Pulley")]
+struct PulleyEntry {
+    /// Radius to the middle of the cable, m: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+    radius: Spanned<f64>,
+    /// x, y, z of the way the cable runs at the anchor, from the winch, base frame; of any length.
+    #[schemars(with = "[f64; 3]")]
+    axis: Spanned<[f64; 3]>,
 }
 
 /// JSON Schema of rig files, for editors: everything that can be said of one field at a time.
@@ -144,28 +225,31 @@ impl RigFile {
             Some(center) => check.vector(center, "platform.center_of_mass")?,
             None => Vector3::zeros(),
         };
-        let [mut anchors, mut attachments] = [vec![], vec![]];
+        let line = check.line(file.cables.first().map_or(0, |cable| cable.span().start));
+        let mut cables = vec![];
         for (i, cable) in file.cables.iter().enumerate() {
-            let field = |end: &str| format!("cables[{}].{end}", i + 1);
-            anchors.push(check.vector(&cable.get_ref().anchor, &field("anchor"))?);
-            attachments.push(check.vector(&cable.get_ref().attachment, &field("attachment"))? - center);
+            let mut cable = check.cable(cable.get_ref(), &file.tension, &format!("cables[{}]", i + 1))?;
+            cable.attachment -= center;
+            cables.push(cable);
         }
+        let count = cables.len();
         let home = check.vector(&file.home, "home")?;
         let rig = Rig {
-            name: file.name,
-            anchors,
-            attachments,
+            cables: PerCable::from_slice(&cables).ok_or(RigFileError::TooManyCables { line, count })?,
             mass: check.positive(&file.platform.mass, "platform.mass")?,
-            inertia: check.inertia(&file.platform.inertia)?,
-            g: check.positive(&file.gravity, "gravity")?,
-            limits: check.limits(&file.tension)?,
+            inertia: check.inertia(&file.platform)?,
+            gravity: file.frame.gravity(check.positive(&file.gravity, "gravity")?),
+            accuracy: check.accuracy(file.accuracy.as_ref())?,
         };
-        let home = Pose::at(home.x, home.y, home.z);
-        let line = check.line(file.cables.first().map_or(0, |cable| cable.span().start));
-        rig.check(&home).map_err(|cause| RigFileError::Degenerate { line, cause })?;
+        let pose = Pose::at(home.x, home.y, home.z);
+        rig.check(&pose).map_err(|cause| RigFileError::Degenerate { line, cause })?;
+        if !rig.can_be_at(&pose) {
+            let line = check.line(file.home.span().start);
+            return Err(RigFileError::AboveAnchors { line, hint: file.frame.other() });
+        }
         let lambda = check.positive(&file.gains.lambda, "gains.lambda")?;
         let eta = check.positive(&file.gains.eta, "gains.eta")?;
-        Ok(Self { rig, home, lambda, eta })
+        Ok(Self { name: file.name, rig, home: pose, lambda, eta })
     }
 }
 
@@ -215,24 +299,71 @@ impl Check<'_> {
         Ok((*vector.get_ref()).into())
     }
 
-    fn inertia(&self, inertia: &Spanned<[f64; 3]>) -> Result<Vector3<f64>, RigFileError> {
-        for (k, value) in inertia.get_ref().iter().enumerate() {
+    fn inertia(&self, platform: &Platform) -> Result<Matrix3<f64>, RigFileError> {
+        let diagonal = &platform.inertia;
+        for (k, value) in diagonal.get_ref().iter().enumerate() {
             let (ok, component) = (value.is_finite() && *value > 0.0, format!("platform.inertia[{}]", k + 1));
             let allowed = "must be finite and greater than 0 (kg m²)";
-            self.require(ok, inertia.span().start, &component, *value, allowed)?;
+            self.require(ok, diagonal.span().start, &component, *value, allowed)?;
         }
-        Ok((*inertia.get_ref()).into())
+        let [xx, yy, zz] = *diagonal.get_ref();
+        let Some(off_diagonal) = &platform.inertia_off_diagonal else {
+            return Ok(Matrix3::from_diagonal(&Vector3::new(xx, yy, zz)));
+        };
+        let off = self.vector(off_diagonal, "platform.inertia_off_diagonal")?;
+        let tensor = Matrix3::new(xx, off.x, off.y, off.x, yy, off.z, off.y, off.z, zz);
+        let allowed = "with platform.inertia it must make a tensor whose principal moments are greater than 0 (kg m²)";
+        let (ok, at) = (tensor.cholesky().is_some(), off_diagonal.span().start);
+        self.require(ok, at, "platform.inertia_off_diagonal[1]", off.x, allowed)?;
+        Ok(tensor)
     }
 
-    fn limits(&self, tension: &Tension) -> Result<TensionLimits, RigFileError> {
+    fn accuracy(&self, accuracy: Option<&Spanned<f64>>) -> Result<f64, RigFileError> {
+        let Some(accuracy) = accuracy else { return Ok(0.0) };
+        let value = *accuracy.get_ref() + 0.0;
+        let ok = value.is_finite() && value >= 0.0;
+        self.require(ok, accuracy.span().start, "accuracy", value, "must be finite and 0 or greater (m)")?;
+        Ok(value)
+    }
+
+    fn cable(&self, cable: &CableEntry, tension: &Tension, name: &str) -> Result<Cable, RigFileError> {
+        Ok(Cable {
+            anchor: self.vector(&cable.anchor, &format!("{name}.anchor"))?,
+            attachment: self.vector(&cable.attachment, &format!("{name}.attachment"))?,
+            limits: self.limits(cable, tension, name)?,
+            pulley: cable.pulley.as_ref().map(|pulley| self.pulley(pulley, name)).transpose()?,
+        })
+    }
+
+    fn pulley(&self, pulley: &PulleyEntry, name: &str) -> Result<Pulley, RigFileError> {
+        let axis = self.vector(&pulley.axis, &format!("{name}.pulley.axis"))?;
+        let length = axis.norm();
+        let (ok, at) = (length.is_normal(), pulley.axis.span().start);
+        self.require(ok, at, &format!("length of {name}.pulley.axis"), length, "must be greater than 0")?;
+        let radius = self.positive(&pulley.radius, &format!("{name}.pulley.radius"))?;
+        Ok(Pulley { radius, axis: axis / length })
+    }
+
+    /// A cable's own limits, or else those of all.
+    fn limits(&self, cable: &CableEntry, tension: &Tension, name: &str) -> Result<TensionLimits, RigFileError> {
+        let named = |own: &Option<Spanned<f64>>, field: &str| match own {
+            Some(_) => format!("{name}.{field}_tension"),
+            None => format!("tension.{field}"),
+        };
+        let (min, max) = (named(&cable.min_tension, "min"), named(&cable.max_tension, "max"));
+        let least = cable.min_tension.as_ref().unwrap_or(&tension.min);
+        let greatest = cable.max_tension.as_ref().or(tension.max.as_ref());
         // A least tension of -0 is 0, and reads better.
-        let limits = TensionLimits { min: *tension.min.get_ref() + 0.0, max: *tension.max.get_ref() };
+        let limits = TensionLimits {
+            min: *least.get_ref() + 0.0,
+            max: greatest.map_or(f64::INFINITY, |greatest| *greatest.get_ref()),
+        };
         let ok = limits.min.is_finite() && limits.min >= 0.0;
         let allowed = "must be finite and 0 or greater (N): cables cannot push";
-        self.require(ok, tension.min.span().start, "tension.min", limits.min, allowed)?;
-        let ok = limits.max.is_finite() && limits.max > limits.min;
-        let allowed = "must be finite and greater than tension.min (N)";
-        self.require(ok, tension.max.span().start, "tension.max", limits.max, allowed)?;
+        self.require(ok, least.span().start, &min, limits.min, allowed)?;
+        let at = greatest.unwrap_or(least).span().start;
+        let allowed = "must be greater than the least tension (N)";
+        self.require(limits.max > limits.min, at, &max, limits.max, allowed)?;
         Ok(limits)
     }
 }
@@ -240,7 +371,7 @@ impl Check<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{Geometry, RobotParameters};
+    use crate::robot::RobotParameters;
 
     /// What is said of the paper's file with one text replaced by another.
     fn refusal(from: &str, to: &str) -> String {
@@ -251,15 +382,10 @@ mod tests {
     #[test]
     fn the_embedded_file_is_table_i() {
         let file = RigFile::default();
-        let robot = RobotParameters::default();
-        let expected = Rig::triangular(&robot, file.rig.limits);
+        let limits = TensionLimits { min: 0.0, max: 100.0 };
         assert_eq!((file.lambda, file.eta), (3.0, 3.0));
-        assert_eq!(file.rig, Rig { name: file.rig.name.clone(), ..expected });
+        assert_eq!(file.rig, Rig::paper(&RobotParameters::default(), limits));
         assert_eq!(file.home, Pose::default());
-        let geometry = Geometry::new(&file.rig.as_triangular().unwrap());
-        for i in 0..6 {
-            assert!((geometry.anchor[i] - Geometry::new(&robot).anchor[i]).amax() < 1e-15);
-        }
     }
 
     #[test]
@@ -280,15 +406,14 @@ mod tests {
     #[test]
     fn the_example_of_eight_cables_is_right() {
         let file = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
-        assert_eq!(file.rig.anchors.len(), 8);
-        assert_eq!(file.rig.as_triangular(), None);
+        assert_eq!(file.rig.cables.len(), 8);
     }
 
     #[test]
     fn attachments_are_taken_from_the_centre_of_mass() {
         let text = PAPER.replacen("[tension]", "center_of_mass = [0.01, -0.02, 0.03]\n[tension]", 1);
-        let moved = RigFile::parse(&text).unwrap().rig.attachments[0];
-        let plain = RigFile::default().rig.attachments[0];
+        let moved = RigFile::parse(&text).unwrap().rig.cables[0].attachment;
+        let plain = RigFile::default().rig.cables[0].attachment;
         assert!((moved - plain - Vector3::new(-0.01, 0.02, -0.03)).amax() < 1e-15);
     }
 
@@ -306,7 +431,7 @@ mod tests {
         let mass = refusal("mass = 6.0", "mass = -6.0");
         assert!(mass.starts_with(&format!("line {}: platform.mass = -6", line("mass"))), "{mass}");
         let swapped = refusal("max = 100.0", "max = -1.0");
-        assert!(swapped.contains("tension.max = -1") && swapped.contains("tension.min"), "{swapped}");
+        assert!(swapped.contains("tension.max = -1 is not allowed: must be greater than the least"), "{swapped}");
         let push = refusal("min = 0.0", "min = -0.5");
         assert!(push.contains("tension.min = -0.5"), "{push}");
         let nan = refusal("anchor = [-0.519", "anchor = [nan, 0.0, 0.0] #");
@@ -320,7 +445,55 @@ mod tests {
     #[test]
     fn a_least_tension_of_minus_zero_is_zero() {
         let rig = RigFile::parse(&PAPER.replacen("min = 0.0", "min = -0.0", 1)).unwrap().rig;
-        assert!(rig.limits.min.is_sign_positive());
+        assert!(rig.cables[0].limits.min.is_sign_positive());
+    }
+
+    #[test]
+    fn a_cable_may_have_limits_and_a_pulley_of_its_own() {
+        let own = "min_tension = 2.0\nmax_tension = 50.0\npulley = { radius = 0.1, axis = [0, 0, -2] }\nattachment = [0.2886";
+        let text = PAPER.replacen("attachment = [0.2886", own, 1);
+        let rig = RigFile::parse(&text).unwrap().rig;
+        assert_eq!(rig.cables[1].limits, TensionLimits { min: 2.0, max: 50.0 });
+        assert_eq!(rig.cables[0].limits, TensionLimits { min: 0.0, max: 100.0 });
+        assert_eq!(rig.cables[1].pulley, Some(Pulley { radius: 0.1, axis: -Vector3::z() }));
+        let error = refusal("attachment = [0.2886", &own.replace("50.0", "1.0"));
+        assert!(error.contains("cables[2].max_tension = 1 is not"), "{error}");
+        let error = refusal("attachment = [0.2886", &own.replace("-2]", "0]"));
+        assert!(error.contains("cables[2].pulley.axis"), "{error}");
+    }
+
+    #[test]
+    fn without_a_greatest_tension_nothing_limits_it() {
+        let rig = RigFile::parse(&PAPER.replacen("max = 100.0", "", 1)).unwrap().rig;
+        assert_eq!(rig.cables[3].limits, TensionLimits::default());
+        let rig = RigFile::parse(&PAPER.replacen("max = 100.0", "max = inf", 1)).unwrap().rig;
+        assert_eq!(rig.cables[3].limits.max, f64::INFINITY);
+    }
+
+    #[test]
+    fn the_full_inertia_tensor_can_be_given_and_must_be_one() {
+        let with = |off: &str| format!("inertia = [0.018, 0.018, 0.075]\ninertia_off_diagonal = {off}");
+        let line = PAPER.lines().find(|line| line.starts_with("inertia")).unwrap();
+        let rig = RigFile::parse(&PAPER.replacen(line, &with("[0.001, 0.002, 0.003]"), 1)).unwrap().rig;
+        assert_eq!((rig.inertia[(0, 1)], rig.inertia[(2, 0)], rig.inertia[(1, 2)]), (0.001, 0.002, 0.003));
+        let error = refusal(line, &with("[0.02, 0.0, 0.0]"));
+        assert!(error.contains("inertia_off_diagonal[1] = 0.02"), "{error}");
+    }
+
+    #[test]
+    fn a_file_with_z_up_is_read_as_it_says_and_taken_for_z_down_with_a_hint() {
+        let up: String = PAPER.replace("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, -1.0]");
+        let error = RigFile::parse(&up).unwrap_err().to_string();
+        assert!(error.contains("above every anchor") && error.contains("frame = \"z-up\""), "{error}");
+        let file = RigFile::parse(&format!("frame = \"z-up\"\n{up}")).unwrap();
+        assert_eq!(file.rig.gravity, Vector3::new(0.0, 0.0, -9.81));
+    }
+
+    #[test]
+    fn seventeen_cables_are_too_many() {
+        let cable = "\n[[cables]]\nanchor = [1.0, 0.0, 0.0]\nattachment = [0.1, 0.0, 0.0]\n";
+        let error = RigFile::parse(&format!("{PAPER}{}", cable.repeat(11))).unwrap_err().to_string();
+        assert!(error.contains("17 cables: at most 16"), "{error}");
     }
 
     #[test]
