@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::robot::{CABLES, PerCable};
+use crate::robot::PerCable;
 
 /// Integral gain, 1/s: an error of tension decays to a third in 0.05 s.
 const INTEGRAL_GAIN: f64 = 20.0;
@@ -19,9 +19,9 @@ pub struct ForceLoop {
 }
 
 impl ForceLoop {
-    /// Nothing corrected yet.
-    pub fn new() -> Self {
-        Self { correction: [0.0; CABLES], last_desired: None }
+    /// Nothing corrected yet of so many cables.
+    pub fn new(cables: usize) -> Self {
+        Self { correction: PerCable::filled(cables, 0.0), last_desired: None }
     }
 
     /// What the motors shall pull, N, so that the platform feels `desired`; `measured` is the answer to the previous call,
@@ -29,19 +29,13 @@ impl ForceLoop {
     pub fn command(&mut self, desired: &PerCable<f64>, measured: &PerCable<f64>, dt: f64) -> PerCable<f64> {
         if let Some(last) = self.last_desired {
             let share = (INTEGRAL_GAIN * dt).min(LARGEST_SHARE);
-            for i in 0..CABLES {
+            for i in 0..desired.len() {
                 let integral = self.correction[i] + share * (last[i] - measured[i]);
                 self.correction[i] = integral.clamp(-LARGEST_CORRECTION, LARGEST_CORRECTION);
             }
         }
         self.last_desired = Some(*desired);
-        std::array::from_fn(|i| desired[i] + self.correction[i])
-    }
-}
-
-impl Default for ForceLoop {
-    fn default() -> Self {
-        Self::new()
+        PerCable::from_fn(desired.len(), |i| desired[i] + self.correction[i])
     }
 }
 
@@ -49,12 +43,16 @@ impl Default for ForceLoop {
 mod tests {
     use super::*;
 
+    fn six(tension: f64) -> PerCable<f64> {
+        PerCable::filled(6, tension)
+    }
+
     #[test]
     fn friction_is_made_up_for() {
-        let mut force_loop = ForceLoop::new();
-        let mut measured = [8.0; CABLES];
+        let mut force_loop = ForceLoop::new(6);
+        let mut measured = six(8.0);
         for _ in 0..2000 {
-            let command = force_loop.command(&[10.0; CABLES], &measured, 1e-3);
+            let command = force_loop.command(&six(10.0), &measured, 1e-3);
             measured = command.map(|u| u - 2.0);
         }
         assert!((measured[0] - 10.0).abs() < 1e-3, "{}", measured[0]);
@@ -62,11 +60,11 @@ mod tests {
 
     #[test]
     fn a_dead_load_cell_adds_no_more_than_the_limit() {
-        let mut force_loop = ForceLoop::new();
-        let mut command = [0.0; CABLES];
+        let mut force_loop = ForceLoop::new(6);
+        let mut command = six(0.0);
         for _ in 0..10_000 {
-            command = force_loop.command(&[10.0; CABLES], &[0.0; CABLES], 1e-3);
+            command = force_loop.command(&six(10.0), &six(0.0), 1e-3);
         }
-        assert_eq!(command, [10.0 + LARGEST_CORRECTION; CABLES]);
+        assert_eq!(command, six(10.0 + LARGEST_CORRECTION));
     }
 }

@@ -1,7 +1,8 @@
 //! Eqs. (2) to (6): the Lyapunov law on all six coordinates.
 
 use super::Gains;
-use crate::robot::{Coordinates, Geometry, PerCable, Pose, RobotParameters, tensions};
+use super::tensions::tensions;
+use crate::robot::{Coordinates, PerCable, Pose, Rig};
 
 /// s = x' + λ (x - x_d), Eq. (2); angles are subtracted the short way round.
 pub fn sliding_variable(gains: &Gains, pose: &Pose, rates: &Coordinates, set_point: &Pose) -> Coordinates {
@@ -18,17 +19,17 @@ pub fn acceleration(gains: &Gains, pose: &Pose, rates: &Coordinates, set_point: 
     -rates * gains.lambda - sliding_variable(gains, pose, rates, set_point) * gains.eta
 }
 
-/// The law (4): the tensions that give these accelerations, N; negative where a cable would have to push.
-/// `None` where the wrench matrix is singular.
+/// The law (4): the tensions that give these accelerations, N; negative where a cable would have to push. More than six cables keep `margin`
+/// (N) from their limits where they can. `None` where the wrench matrix is singular.
 ///
 /// D(x) and C(x, x') of (4) are not formed: Newton and Euler's equations (1) with x'' of [`acceleration`] are the same.
 pub fn tension_command(
-    robot: &RobotParameters,
-    geometry: &Geometry,
+    rig: &Rig,
     gains: &Gains,
     pose: &Pose,
     rates: &Coordinates,
     set_point: &Pose,
+    margin: f64,
 ) -> Option<PerCable<f64>> {
-    tensions(robot, geometry, pose, rates, &acceleration(gains, pose, rates, set_point))
+    tensions(rig, pose, rates, &acceleration(gains, pose, rates, set_point), margin)
 }

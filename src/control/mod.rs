@@ -1,12 +1,16 @@
-//! Section III: the Lyapunov law, its gains, the closed-form response, and what it needs to be told of the motion.
+//! Section III: the Lyapunov law, its gains, the closed-form response, the tension distribution, and what the law needs to know of the motion.
 
+pub mod active_set;
+pub mod distribution;
 pub mod estimator;
 pub mod force_loop;
 pub mod gains;
 pub mod lyapunov;
 pub mod response;
+pub mod tensions;
 
 pub use estimator::Estimator;
 pub use force_loop::ForceLoop;
 pub use gains::Gains;
 pub use response::Response;
+pub use tensions::{static_tensions, tensions};
