@@ -42,6 +42,6 @@
 
 pub mod control;
 //pub mod plan;
-//pub mod reach;
+pub mod reach;
 pub mod robot;
 //pub mod sim;

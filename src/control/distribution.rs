@@ -9,8 +9,8 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::active_set::{MOST_UNKNOWNS, Multipliers, Outcome, Point, Programme, Row};
-use crate::robot::{LEAST_CABLES, MOST_CABLES, PerCable, Rig, TensionLimits};
+use super::active_set::{MOST_UNKNOWNS, Outcome, Point, Programme, Row};
+use crate::robot::{Cable, LEAST_CABLES, MOST_CABLES, PerCable, Rig, TensionLimits};
 
 const _: () = assert!(MOST_CABLES <= MOST_UNKNOWNS);
 
@@ -69,6 +69,19 @@ pub fn share(
     Some(match solutions.distribute(&limits, &reference(rig), margin) {
         Distribution::Feasible(tensions) => tensions,
         Distribution::Infeasible { nearest, .. } => nearest,
+    })
+}
+
+/// The greatest margin from the rig's limits that tensions can keep at once for a wrench, N: less than 0 where the limits cannot be kept, and
+/// without bound where the wrench matrix is singular.
+pub fn widest_margin(rig: &Rig, columns: &PerCable<Vector6<f64>>, wrench: &Vector6<f64>) -> f64 {
+    if columns.len() > LEAST_CABLES {
+        let solutions = Solutions::new(columns, wrench, rig.platform_radius());
+        return solutions.map_or(f64::NEG_INFINITY, |solutions| solutions.widest_margin(&rig.limits()));
+    }
+    only_tensions(columns, wrench).map_or(f64::NEG_INFINITY, |tensions| {
+        let margin = |(u, cable): (f64, &Cable)| cable.limits.margin(u);
+        tensions.into_iter().zip(&rig.cables).map(margin).fold(f64::INFINITY, f64::min)
     })
 }
 

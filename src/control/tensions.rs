@@ -17,6 +17,11 @@ pub fn tensions(
     super::distribution::share(rig, &columns, &required_wrench(rig, pose, rates, accelerations), margin)
 }
 
+/// How far inside their limits the tensions can be at rest, N: less than 0 where the platform cannot be held.
+pub fn static_margin(rig: &Rig, pose: &Pose) -> f64 {
+    super::distribution::widest_margin(rig, &rig.cables_at(pose).wrench_matrix(), &rig.static_wrench())
+}
+
 /// The tensions at rest, N; `None` where the wrench matrix is singular.
 pub fn static_tensions(rig: &Rig, pose: &Pose, margin: f64) -> Option<PerCable<f64>> {
     tensions(rig, pose, &Coordinates::zeros(), &Coordinates::zeros(), margin)

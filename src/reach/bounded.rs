@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::HalfPlane;
 use crate::control::Gains;
-use crate::robot::geometry::FACET_NORMALS;
-use crate::robot::{CABLES, RobotParameters};
+use crate::robot::triangles::{FACET_NORMALS, SIX};
+use crate::robot::RobotParameters;
 
 /// Set points x_d that a step from rest at x₀ (height z_c and zero orientation kept) may be given.
 ///
@@ -39,7 +39,7 @@ impl BoundedDomain {
 
     /// The same set as half-planes in x_d. For each facet both coordinates may take either end of their interval: the printed
     /// rows of (15) are the ones that bind for x_d ≥ x₀, y_d ≥ y₀, the others those of the other quadrants.
-    pub fn half_planes(&self) -> [HalfPlane; 4 * CABLES] {
+    pub fn half_planes(&self) -> [HalfPlane; 4 * SIX] {
         let push = (1.0 + self.c, -self.c); // x_d + c d = (1 + c) x_d - c x₀
         let pull = (-self.c * self.z_m, 1.0 + self.c * self.z_m); // x₀ - c Z_M d
         std::array::from_fn(|row| {
@@ -64,7 +64,8 @@ impl BoundedDomain {
 mod tests {
     use super::*;
     use crate::control::Response;
-    use crate::robot::{Coordinates, Geometry, Pose, tensions};
+    use crate::control::tensions;
+    use crate::robot::{Coordinates, Pose, Rig, TensionLimits};
     use rand::{RngExt, SeedableRng};
 
     const TABLE_I: Gains = Gains { lambda: 3.0, eta: 3.0 };
@@ -134,7 +135,7 @@ mod tests {
     #[test]
     fn no_step_that_it_admits_slackens_a_cable() {
         let robot = RobotParameters::default();
-        let geometry = Geometry::new(&robot);
+        let rig = Rig::paper(&robot, TensionLimits::default());
         let mut rng = rand_pcg::Pcg64::seed_from_u64(4);
         let mut admitted = 0;
         while admitted < 500 {
@@ -149,7 +150,7 @@ mod tests {
                 let response = Response::at(&gains, 0.02 * f64::from(k));
                 let (x, y) = (response.motion(x0.x, 0.0, x_d.x), response.motion(x0.y, 0.0, x_d.y));
                 let of = |d: usize| Coordinates::new(x[d], y[d], 0.0, 0.0, 0.0, 0.0);
-                let u = tensions(&robot, &geometry, &Pose::at(x[0], y[0], z), &of(1), &of(2)).unwrap();
+                let u = tensions(&rig, &Pose::at(x[0], y[0], z), &of(1), &of(2), 0.0).unwrap();
                 assert!(u.iter().all(|u| *u > 0.0), "{u:?} from {x0} to {x_d}");
             }
         }

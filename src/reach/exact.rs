@@ -4,8 +4,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{Curve, HalfPlane};
 use crate::control::Gains;
-use crate::robot::geometry::FACET_NORMALS;
-use crate::robot::{CABLES, RobotParameters, TensionLimits};
+use crate::robot::triangles::{FACET_NORMALS, SIX};
+use crate::robot::{RobotParameters, TensionLimits};
 
 /// What the search along a segment aims to leave to the limit, as a part of g a/2: the search ends this near to the border.
 const RAY_TOLERANCE: f64 = 1e-9;
@@ -48,7 +48,7 @@ impl ExactDomain {
             return false;
         }
         let (least, greatest) = (self.least(), self.greatest(&[*x_d]));
-        (0..CABLES).all(|i| {
+        (0..SIX).all(|i| {
             let extremes = self.facet(i, x_d).extremes(&self.gains);
             extremes.min > least && extremes.max < greatest
         })
@@ -76,7 +76,7 @@ impl ExactDomain {
 
     /// From rest, at constant height: the domain as half-planes, two a cable, in (x_d, y_d). p moves on the segment between its values
     /// for the extremes of ψ = f + (z/g) f''. Limits of tension other than zero are left to [`contains`](Self::contains).
-    pub fn half_planes(&self) -> [HalfPlane; 2 * CABLES] {
+    pub fn half_planes(&self) -> [HalfPlane; 2 * SIX] {
         let omega2 = self.gains.omega_n_squared();
         let c = self.position.z / self.robot.g;
         let sum = self.gains.lambda + self.gains.eta;
@@ -129,7 +129,7 @@ impl ExactDomain {
         for _ in 0..MOST_CUTS {
             let x_d = at(s);
             let mut cut = s;
-            for i in 0..CABLES {
+            for i in 0..SIX {
                 let extremes = self.facet(i, &x_d).extremes(&self.gains);
                 if extremes.min <= self.least() {
                     let inside = self.facet(i, from).at(&self.gains, extremes.argmin);
@@ -192,7 +192,8 @@ mod tests {
     use super::*;
     use crate::control::Response;
     use crate::reach::{BoundedDomain, in_static_workspace};
-    use crate::robot::{Coordinates, Geometry, PerCable, Pose, tensions};
+    use crate::control::tensions;
+    use crate::robot::{Coordinates, PerCable, Pose, Rig};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
@@ -238,7 +239,8 @@ mod tests {
             let of = |k: usize| response.motion(self.position[k], self.velocity[k], self.x_d[k]);
             let (x, y, z) = (of(0), of(1), of(2));
             let d = |k: usize| Coordinates::new(x[k], y[k], z[k], 0.0, 0.0, 0.0);
-            let u = tensions(&self.robot, &Geometry::new(&self.robot), &Pose(d(0)), &d(1), &d(2)).unwrap();
+            let rig = Rig::paper(&self.robot, NEVER_SLACK);
+            let u = tensions(&rig, &Pose(d(0)), &d(1), &d(2), 0.0).unwrap();
             (u, Vector3::new(x[0], y[0], z[0]))
         }
     }
@@ -250,8 +252,9 @@ mod tests {
             let case = Case::random(&mut rng, 0.5);
             let t = rng.random_range(0.0..2.0);
             let (u, position) = case.tensions(t);
-            let lengths = Geometry::new(&case.robot).cables(&position, &Pose::default().rotation()).length;
-            for i in 0..CABLES {
+            let rig = Rig::paper(&case.robot, NEVER_SLACK);
+            let lengths = rig.cables(&position, &Pose::default().rotation()).length;
+            for i in 0..SIX {
                 let g = case.domain().facet(i, &case.x_d).at(&case.gains, t);
                 let expected = case.robot.m * lengths[i] * g / (3.0 * case.robot.a * position.z);
                 assert!(

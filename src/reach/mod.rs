@@ -1,11 +1,9 @@
 //! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15), exact
-//! domain; for rigs with any cables, tension distributions and the static workspace that they leave; the
-//! certificate of a step in all six coordinates.
+//! domain; for rigs with any cables the static workspace, and the certificate of a step in all six coordinates.
 
 pub mod bounded;
 pub mod certificate;
 pub mod curve;
-pub mod distribution;
 pub mod exact;
 pub mod half_plane;
 pub mod quadratic_program;
@@ -15,7 +13,6 @@ pub mod workspace;
 pub use bounded::BoundedDomain;
 pub use certificate::{Verdict, certify};
 pub use curve::Curve;
-pub use distribution::{Distribution, nearest_mid_range, widest_margin};
 pub use exact::ExactDomain;
 pub use half_plane::{HalfPlane, polygon};
 pub use quadratic_program::SolverError;

@@ -3,11 +3,10 @@
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::distribution::{Distribution, widest_margin};
-use super::quadratic_program::SolverError;
+use crate::control::static_margin;
 use crate::robot::{Coordinates, Pose, Rig};
 
-/// Distance from the true border at which the bisection ends, m.
+/// Distance from the true border at which the bisection ends, as a share of the rig's radius.
 const BORDER_TOLERANCE: f64 = 1e-9;
 /// Steps of a ray before it has crossed the whole box that is looked at.
 const RAY_STEPS: usize = 200;
@@ -30,7 +29,7 @@ pub struct Grid {
     pub x: Vec<f64>,
     /// Coordinates of the rows, m, rising.
     pub y: Vec<f64>,
-    /// A row for each y: signed margins, N (see [`Distribution::signed_margin`]).
+    /// A row for each y: how far inside their limits the tensions can be, N; less than 0 outside.
     pub margin: Vec<Vec<f64>>,
 }
 
@@ -58,19 +57,16 @@ impl Slice<'_> {
         Pose(Coordinates::new(point.x, point.y, self.height, roll, pitch, yaw))
     }
 
-    /// The best tensions at rest at (x, y).
-    ///
-    /// # Errors
-    /// [`SolverError`] if clarabel gives no answer.
-    pub fn distribution(&self, point: &Vector2<f64>) -> Result<Distribution, SolverError> {
-        widest_margin(&self.rig.wrench_matrix(&self.pose(point)), &self.rig.static_wrench(), &self.rig.limits)
+    /// How far inside their limits the tensions can be at rest at (x, y), N.
+    pub fn margin(&self, point: &Vector2<f64>) -> f64 {
+        static_margin(self.rig, &self.pose(point))
     }
 
     /// Lower and upper corner of the box looked at, m: the anchors', wider by the platform's radius.
     pub fn extent(&self) -> (Vector2<f64>, Vector2<f64>) {
         let wider = Vector2::repeat(self.rig.platform_radius());
         let corner = |pick: fn(f64, f64) -> f64| {
-            let anchors = self.rig.anchors.iter().map(|anchor| anchor.xy());
+            let anchors = self.rig.cables.iter().map(|cable| cable.anchor.xy());
             anchors.reduce(|a, b| a.zip_map(&b, pick)).unwrap_or_default()
         };
         (corner(f64::min) - wider, corner(f64::max) + wider)
@@ -78,36 +74,29 @@ impl Slice<'_> {
 
     /// The margins on a grid of `count` by `count` points from corner `low` to corner `high` (m); `row_done` is called after each
     /// row, from any thread.
-    ///
-    /// # Errors
-    /// [`SolverError`] if clarabel gives no answer.
     pub fn grid(
         &self,
         (low, high): (Vector2<f64>, Vector2<f64>),
         count: usize,
         row_done: impl Fn() + Sync,
-    ) -> Result<Grid, SolverError> {
+    ) -> Grid {
         let last = (count.max(2) - 1) as f64;
         let line = |k: usize| -> Vec<f64> {
             (0..count).map(|i| low[k] + (high[k] - low[k]) * (i as f64 / last)).collect()
         };
         let (x, y) = (line(0), line(1));
         let row = |y: &f64| {
-            let of = |x: &f64| Ok(self.distribution(&Vector2::new(*x, *y))?.signed_margin());
-            let margins = x.iter().map(of).collect();
+            let margins = x.iter().map(|x| self.margin(&Vector2::new(*x, *y))).collect();
             row_done();
             margins
         };
-        let margin = y.par_iter().map(row).collect::<Result<_, _>>()?;
-        Ok(Grid { x, y, margin })
+        let margin = y.par_iter().map(row).collect();
+        Grid { x, y, margin }
     }
 
     /// Where `count` rays from an interior point first leave the workspace, in order round it. A part of the workspace that cannot be
     /// seen from there is not included.
-    ///
-    /// # Errors
-    /// [`SolverError`] if clarabel gives no answer.
-    pub fn boundary(&self, interior: &Vector2<f64>, count: usize) -> Result<Vec<Vector2<f64>>, SolverError> {
+    pub fn boundary(&self, interior: &Vector2<f64>, count: usize) -> Vec<Vector2<f64>> {
         let (low, high) = self.extent();
         let stride = (high - low).norm() / RAY_STEPS as f64;
         (0..count)
@@ -115,35 +104,31 @@ impl Slice<'_> {
             .map(|k| {
                 let azimuth = std::f64::consts::TAU * k as f64 / count as f64;
                 let direction = Vector2::new(azimuth.cos(), azimuth.sin());
-                Ok(interior + direction * self.first_exit(interior, &direction, stride)?)
+                interior + direction * self.first_exit(interior, &direction, stride)
             })
             .collect()
     }
 
     /// Marches until the limits are broken, then halves the last stride.
-    fn first_exit(
-        &self,
-        from: &Vector2<f64>,
-        direction: &Vector2<f64>,
-        stride: f64,
-    ) -> Result<f64, SolverError> {
-        let holds = |length: f64| Ok(self.distribution(&(from + direction * length))?.signed_margin() >= 0.0);
+    fn first_exit(&self, from: &Vector2<f64>, direction: &Vector2<f64>, stride: f64) -> f64 {
+        let holds = |length: f64| self.margin(&(from + direction * length)) >= 0.0;
         let (mut inside, mut outside) = (0.0, stride);
         for _ in 0..RAY_STEPS {
-            if !holds(outside)? {
+            if !holds(outside) {
                 break;
             }
             (inside, outside) = (outside, outside + stride);
         }
-        while outside - inside > BORDER_TOLERANCE {
+        let tolerance = BORDER_TOLERANCE * self.rig.radius();
+        while outside - inside > tolerance {
             let middle = 0.5 * (inside + outside);
-            if holds(middle)? {
+            if holds(middle) {
                 inside = middle;
             } else {
                 outside = middle;
             }
         }
-        Ok(inside)
+        inside
     }
 }
 
@@ -202,10 +187,10 @@ fn crossing(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>, d: &Vector2<f6
 mod tests {
     use super::*;
     use crate::reach::{in_static_workspace, polygon, static_workspace};
-    use crate::robot::{RobotParameters, TensionLimits};
+    use crate::robot::{RigFile, RobotParameters, TensionLimits};
 
     fn paper() -> Rig {
-        Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
+        Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
     }
 
     fn slice(rig: &Rig) -> Slice<'_> {
@@ -216,14 +201,14 @@ mod tests {
     fn paper_rig_has_the_hexagon_of_equation_16() {
         let (robot, rig) = (RobotParameters::default(), paper());
         let slice = slice(&rig);
-        let grid = slice.grid(slice.extent(), 41, || {}).unwrap();
+        let grid = slice.grid(slice.extent(), 41, || {});
         for (point, margin) in grid.points() {
             assert_eq!(margin > 0.0, in_static_workspace(&robot, &point), "{point}");
         }
         let (best, margin) = grid.best().unwrap();
         assert!(best.norm() < 0.03 && margin > 9.0, "{margin} N at {best}");
 
-        let border = slice.boundary(&best, 360).unwrap();
+        let border = slice.boundary(&best, 360);
         for point in &border {
             let slack = static_workspace(&robot).iter().map(|facet| facet.slack(point)).fold(1.0, f64::min);
             assert!((0.0..3e-9).contains(&slack), "{slack}");
@@ -238,17 +223,32 @@ mod tests {
 
     #[test]
     fn a_least_tension_shrinks_the_workspace() {
-        let mut rig = paper();
-        rig.limits.min = 5.0;
-        let border = slice(&rig).boundary(&Vector2::zeros(), 60).unwrap();
+        let rig = paper().with_limits(TensionLimits { min: 5.0, max: 100.0 });
+        let border = slice(&rig).boundary(&Vector2::zeros(), 60);
         for point in border {
-            let Distribution::Feasible { margin, .. } = slice(&rig).distribution(&point).unwrap() else {
-                panic!("{point} is outside")
-            };
+            let margin = slice(&rig).margin(&point);
             assert!((0.0..1e-6).contains(&margin) && point.norm() < 0.2);
         }
-        rig.limits.min = 11.0;
-        assert_eq!(slice(&rig).grid(slice(&rig).extent(), 21, || {}).unwrap().best(), None);
+        let rig = paper().with_limits(TensionLimits { min: 11.0, max: 100.0 });
+        assert_eq!(slice(&rig).grid(slice(&rig).extent(), 21, || {}).best(), None);
+    }
+
+    /// `workspace` called this rig's workspace empty: the tolerance of a solver was taken for a proof.
+    #[test]
+    fn a_greatest_tension_that_never_binds_changes_nothing() {
+        let file = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
+        let points = [0.0, 0.7, 1.4, 1.9].map(|x| Vector2::new(x, 0.3 * x));
+        let with = |max: f64| {
+            let rig = file.rig.with_limits(TensionLimits { min: 5.0, max });
+            points.map(|point| Slice { rig: &rig, height: 2.0, angles: Vector3::zeros() }.margin(&point))
+        };
+        let infinite = with(f64::INFINITY);
+        assert!(infinite[0] > 10.0 && infinite[3] < 0.0, "{infinite:?}");
+        for max in [1e5, 1e8, 1e13] {
+            for (found, expected) in with(max).iter().zip(infinite) {
+                assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{max}: {found} {expected}");
+            }
+        }
     }
 
     #[test]

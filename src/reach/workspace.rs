@@ -3,11 +3,11 @@
 use nalgebra::Vector2;
 
 use super::HalfPlane;
-use crate::robot::geometry::FACET_NORMALS;
-use crate::robot::{PerCable, RobotParameters};
+use crate::robot::RobotParameters;
+use crate::robot::triangles::{FACET_NORMALS, SIX};
 
 /// The hexagon of apothem a/2, one half-plane a cable; the same at every height below the base.
-pub fn static_workspace(robot: &RobotParameters) -> PerCable<HalfPlane> {
+pub fn static_workspace(robot: &RobotParameters) -> [HalfPlane; SIX] {
     FACET_NORMALS.map(|normal| HalfPlane { normal, bound: robot.a / 2.0 })
 }
 
@@ -20,20 +20,20 @@ pub fn in_static_workspace(robot: &RobotParameters, point: &Vector2<f64>) -> boo
 mod tests {
     use super::*;
     use crate::reach::polygon;
-    use crate::robot::dynamics::static_tensions;
-    use crate::robot::{Geometry, Pose};
+    use crate::control::static_tensions;
+    use crate::robot::{Pose, Rig, TensionLimits};
     use rand::{RngExt, SeedableRng};
 
     #[test]
     fn facet_i_is_where_cable_i_goes_slack() {
         let robot = RobotParameters::default();
-        let geometry = Geometry::new(&robot);
+        let rig = Rig::paper(&robot, TensionLimits::default());
         let facets = static_workspace(&robot);
         let mut rng = rand_pcg::Pcg64::seed_from_u64(16);
         for _ in 0..10_000 {
             let point = Vector2::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5));
             let pose = Pose::at(point.x, point.y, rng.random_range(0.3..3.0));
-            let tension = static_tensions(&robot, &geometry, &pose).unwrap();
+            let tension = static_tensions(&rig, &pose, 0.0).unwrap();
             for i in 0..6 {
                 assert_eq!(tension[i] > 0.0, facets[i].slack(&point) > 0.0, "cable {} at {point}", i + 1);
             }

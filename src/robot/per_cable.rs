@@ -49,6 +49,19 @@ impl<T: Copy + Default> PerCable<T> {
     }
 }
 
+impl<T: Copy + Default> FromIterator<T> for PerCable<T> {
+    /// # Panics
+    /// If there are more than [`MOST_CABLES`].
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        let mut all = Self { count: 0, values: [T::default(); MOST_CABLES] };
+        for value in values {
+            all.values[all.count] = value;
+            all.count += 1;
+        }
+        all
+    }
+}
+
 impl<T> Deref for PerCable<T> {
     type Target = [T];
 

@@ -8,7 +8,7 @@ use super::Cause;
 use super::motion::Step;
 use super::statics::{Cables, stiffness};
 use crate::robot::pose::{PITCH, ROLL};
-use crate::robot::{CABLES, Coordinates, Pose, Rig};
+use crate::robot::{Coordinates, Pose, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
 const UPWARDS: f64 = 1.0 + 1e-9;
@@ -210,7 +210,7 @@ impl<'a> Around<'a> {
     /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
     fn disturbance(&self, extent: &Extent) -> Option<Coordinates> {
         let Self { rig, margins, age, .. } = *self;
-        let radius = rig.attachments.iter().map(|b| b.norm()).fold(0.0, f64::max);
+        let radius = rig.platform_radius();
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
         let told = self.told();
         let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &told, k));
@@ -218,7 +218,7 @@ impl<'a> Around<'a> {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
-        let friction = CABLES as f64 * margins.friction;
+        let friction = rig.cables.len() as f64 * margins.friction;
         let force = extent.pull * age * (speed + spin * radius) / extent.shortest + friction;
         let [dx, dy, dz, d_roll, d_pitch, d_yaw]: [f64; 6] = self.rates.into();
         let twist = [dx, dy, dz, d_roll + pitch * d_yaw, d_pitch + roll * d_yaw, d_yaw + roll * d_pitch];
@@ -227,18 +227,21 @@ impl<'a> Around<'a> {
 
         let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
         let alpha = angular(&self.actual) + spin * spin;
-        let weight = self.commanded + Coordinates::z() * rig.g;
+        let weight = self.commanded + Coordinates::from_fn(|k, _| if k < 3 { rig.gravity[k].abs() } else { 0.0 });
         let push = late + weight * margins.mass + Coordinates::repeat((force + margins.force) / rig.mass);
         let swing = margins.centre_of_mass * (alpha + spin * spin);
         let position = push * known + Coordinates::repeat(swing);
 
         let pull = rig.mass * (linear(&weight) + linear(&late)) + force;
-        let largest = rig.inertia.max();
+        // Of the inertia tensor its norm, and what its inverse makes of a torque.
+        let largest = rig.inertia.norm();
+        let inverse = rig.inertia.try_inverse()?.abs();
         let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
         let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque;
         let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
         let told = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
-        let body = Vector3::from_fn(|k, _| known * (told + (torque[k] + outer) / rig.inertia[k]));
+        let answer = inverse * torque.add_scalar(outer);
+        let body = Vector3::from_fn(|k, _| known * (told + answer[k]));
         // From angular accelerations about the platform's axes to those of the angles.
         let across = roll * body.y + body.z;
         let angles = [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()];
@@ -276,7 +279,7 @@ mod tests {
     /// ∫|φ|, ∫|φ'| and ∫|φ''| by the midpoint rule: what the worst disturbance of size 1 does to x, x' and the command.
     #[test]
     fn the_tube_is_what_the_worst_disturbance_does() {
-        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         for (lambda, eta) in [(3.0, 3.0), (2.0, 5.0), (8.0, 1.0)] {
             let step = step(lambda, eta);
             let h = 1e-3;
@@ -297,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_force_alone_moves_the_robot_by_force_over_stiffness() {
-        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         let margins = Margins { force: 0.6, ..Margins::default() };
         let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
         let tube = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
@@ -308,7 +311,7 @@ mod tests {
 
     #[test]
     fn what_the_loop_cannot_stand_has_no_tube() {
-        let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         let margins = Margins { delay: 0.2, ..Margins::default() };
         let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
         assert_eq!(tube(&rig, &step(3.0, 3.0), &margins, &extent), None);

@@ -16,7 +16,7 @@ use thiserror::Error;
 pub use margins::Margins;
 pub use motion::Step;
 
-use crate::robot::{CABLES, Rig, TensionLimits};
+use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
 use statics::Cables;
 use taylor::Taylor;
@@ -48,9 +48,9 @@ pub enum Verdict {
         /// By how much some limit is broken at least, N.
         shortfall: f64,
         /// Numbers, from 1, of the cables whose least tension stands against it: they would have to pull less,
-        at_least: Vec<usize>,
+        at_least: PerCable<usize>,
         /// and of those whose greatest does: they would have to pull more.
-        at_greatest: Vec<usize>,
+        at_greatest: PerCable<usize>,
     },
     /// Neither could be proved.
     Undecided {
@@ -70,8 +70,8 @@ pub enum Cause {
     Singular,
     /// A tension touches its limit, or comes nearer to it than rounding or the margins allow to tell.
     TooClose,
-    /// Clarabel found no tensions to look at.
-    Solver,
+    /// The work that was allowed did not suffice.
+    Effort,
     /// An angle may get half a turn away from its set point, where the law turns back the other way round.
     HalfTurn,
     /// The pitch may get a quarter turn away from level, where roll and yaw turn the platform about one and the same axis: the law, which
@@ -82,16 +82,9 @@ pub enum Cause {
 /// A question that makes no sense.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CertificateError {
-    /// Fewer than six cables hold no platform, and each needs both ends.
-    #[error(
-        "the rig has {anchors} anchors and {attachments} attachments: at least 6 are needed, as many of one as of the other"
-    )]
-    Cables {
-        /// Anchors given.
-        anchors: usize,
-        /// Attachments given.
-        attachments: usize,
-    },
+    /// Fewer than six cables hold no platform.
+    #[error("the rig has {0} cables: at least 6 are needed")]
+    Cables(usize),
     /// With more than six cables a disturbance does what the way in which they share the load makes of it.
     #[error(
         "margins are known for 6 cables only, the rig has {cables}: with more, what a disturbance does depends on how the tensions are shared"
@@ -100,6 +93,9 @@ pub enum CertificateError {
         /// How many there are.
         cables: usize,
     },
+    /// What a disturbance does to a cable on a pulley is not known.
+    #[error("margins are known without pulleys only: cable {0} has one")]
+    Pulley(usize),
     /// A number is out of range.
     #[error("{name} = {value} is not allowed: {allowed}")]
     Value {
@@ -118,20 +114,26 @@ pub enum CertificateError {
 /// # Errors
 /// [`CertificateError`] for a rig of fewer than six cables and for numbers that make no sense.
 pub fn certify(rig: &Rig, step: &Step) -> Result<Verdict, CertificateError> {
-    certify_within(rig, &rig.limits, step)
+    certify_within(rig, &rig.limits(), step, &mut { search::MOST_SPANS })
 }
 
-/// The same within other limits than the rig's.
+/// The same within other limits than the rig's, one pair for each cable, and looking at no more than `spans` spans of time, which are taken from
+/// that number.
 ///
 /// # Errors
 /// As [`certify`].
-pub fn certify_within(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<Verdict, CertificateError> {
+pub fn certify_within(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    step: &Step,
+    spans: &mut usize,
+) -> Result<Verdict, CertificateError> {
     check(rig, limits, step)?;
-    if rig.anchors.len() > CABLES {
-        return Ok(any_distribution(rig, limits, step).map_or_else(|no| no, |range| range.admissible()));
+    if rig.cables.len() > LEAST_CABLES {
+        return Ok(any_distribution(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible()));
     }
     let mut range = Range::none();
-    let shown = closed_form(rig, limits, step, |cables| range.include(&cables.tension));
+    let shown = closed_form(rig, limits, step, spans, |cables| range.include(&cables.tension));
     Ok(shown.map_or_else(|no| no, |()| range.admissible()))
 }
 
@@ -143,45 +145,56 @@ pub fn certify_within(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<
 /// # Errors
 /// As [`certify`], for margins that make no sense and for any but 0 with more than six cables.
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
-    check(rig, &rig.limits, step)?;
+    check(rig, &rig.limits(), step)?;
     check_margins(margins)?;
-    let cables = rig.anchors.len();
+    let cables = rig.cables.len();
     if *margins == Margins::default() {
         return certify(rig, step);
     }
-    if cables > CABLES {
+    if cables > LEAST_CABLES {
         return Err(CertificateError::Margins { cables });
+    }
+    if let Some(i) = rig.cables.iter().position(|cable| cable.pulley.is_some()) {
+        return Err(CertificateError::Pulley(i + 1));
     }
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
 
 fn closed_form(
     rig: &Rig,
-    limits: &TensionLimits,
+    limits: &PerCable<TensionLimits>,
     step: &Step,
+    spans: &mut usize,
     inside: impl FnMut(&Cables),
 ) -> Result<(), Verdict> {
     if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
         return Err(undecided_at_large(cause));
     }
-    search::walk(rig, step, &Tube::empty(), limits, inside)
+    search::walk(rig, step, &Tube::empty(), limits, spans, inside)
 }
 
-fn any_distribution(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<Range, Verdict> {
+fn any_distribution(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    step: &Step,
+    spans: &mut usize,
+) -> Result<Range, Verdict> {
     if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
         return Err(undecided_at_large(cause));
     }
     let mut range = Range::none();
-    search::cover(step, |span| redundant::look(rig, limits, step, span, |tensions| range.include(tensions)))?;
+    search::cover(step, spans, |span| {
+        redundant::look(rig, limits, step, span, |tensions| range.include(tensions))
+    })?;
     Ok(range)
 }
 
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
 fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
     let friction = margins.friction;
-    let limits = TensionLimits { min: rig.limits.min + friction, max: rig.limits.max - friction };
+    let limits = rig.limits().map(|limits| limits.shrunk(friction));
     let mut extent = Extent::none();
-    closed_form(rig, &rig.limits, step, |cables| extent.include(rig, cables))?;
+    closed_form(rig, &rig.limits(), step, &mut { search::MOST_SPANS }, |cables| extent.include(rig, cables))?;
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
         let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
@@ -191,7 +204,7 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
             range.include(&cables.tension);
             extent.include(rig, cables);
         };
-        search::walk(rig, step, &tube, &limits, inside).map_err(Verdict::of_a_tube)?;
+        search::walk(rig, step, &tube, &limits, &mut { search::MOST_SPANS }, inside).map_err(Verdict::of_a_tube)?;
         if extent.is_within(&guess) {
             return Ok(Range { least: range.least - friction, greatest: range.greatest + friction });
         }
@@ -241,10 +254,10 @@ fn undecided_at_large(cause: Cause) -> Verdict {
     Verdict::Undecided { time: 0.0, resolution: f64::INFINITY, cause }
 }
 
-fn check(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<(), CertificateError> {
-    let (anchors, attachments) = (rig.anchors.len(), rig.attachments.len());
-    if anchors < CABLES || anchors != attachments {
-        return Err(CertificateError::Cables { anchors, attachments });
+fn check(rig: &Rig, limits: &PerCable<TensionLimits>, step: &Step) -> Result<(), CertificateError> {
+    let count = rig.cables.len();
+    if count < LEAST_CABLES {
+        return Err(CertificateError::Cables(count));
     }
     let finite = |name, values: &[f64]| {
         values.iter().try_for_each(|v| require(v.is_finite(), name, *v, "must be finite"))
@@ -252,17 +265,15 @@ fn check(rig: &Rig, limits: &TensionLimits, step: &Step) -> Result<(), Certifica
     let positive = |name, value: f64| {
         require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
     };
-    for i in 0..anchors {
-        finite("a coordinate of an anchor", rig.anchors[i].as_slice())?;
-        finite("a coordinate of an attachment", rig.attachments[i].as_slice())?;
+    for (cable, limits) in rig.cables.iter().zip(limits) {
+        finite("a coordinate of an anchor", cable.anchor.as_slice())?;
+        finite("a coordinate of an attachment", cable.attachment.as_slice())?;
+        require(limits.min >= 0.0, "limits.min", limits.min, "a cable cannot push: 0 or greater")?;
+        require(limits.max > limits.min, "limits.max", limits.max, "must be greater than limits.min")?;
     }
     positive("mass", rig.mass)?;
-    rig.inertia.iter().try_for_each(|moment| positive("inertia", *moment))?;
-    require(rig.g.is_finite() && rig.g >= 0.0, "g", rig.g, "must be finite and 0 or greater")?;
-    require(limits.min >= 0.0, "limits.min", limits.min, "a cable cannot push: 0 or greater")?;
-    require(limits.max > limits.min, "limits.max", limits.max, "must be greater than limits.min")?;
-    let known = anchors == CABLES || limits.max.is_finite();
-    require(known, "limits.max", limits.max, "must be finite with more than 6 cables")?;
+    (0..3).try_for_each(|k| positive("inertia", rig.inertia[(k, k)]))?;
+    finite("a component of gravity", rig.gravity.as_slice())?;
     finite("a coordinate of the start", step.start.0.as_slice())?;
     finite("a rate of the start", step.rates.as_slice())?;
     finite("a coordinate of the set point", step.set_point.0.as_slice())?;

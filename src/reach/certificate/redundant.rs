@@ -1,8 +1,8 @@
 //! More than six cables: tensions within the limits over a span of time, or a proof that an instant has none.
 //!
-//! Clarabel proposes, interval arithmetic decides: no verdict depends on what the solver's tolerances are.
+//! The tension distribution proposes, interval arithmetic decides: no verdict depends on the tolerances of the former.
 
-use nalgebra::{DVector, Matrix6xX, Vector6};
+use nalgebra::{Matrix6, Vector6};
 
 use super::margins::Tube;
 use super::motion::{Span, Step};
@@ -10,16 +10,20 @@ use super::search::{Finding, judge};
 use super::statics::{System, solve};
 use super::taylor::{Taylor, combination};
 use super::{Cause, Verdict};
-use crate::reach::distribution::{Distribution, widest_margin};
-use crate::robot::{Rig, TensionLimits};
+use crate::control::distribution::{Distribution, Solutions, reference};
+use crate::robot::{PerCable, Rig, TensionLimits};
 
+/// The tensions proposed keep this share of the widest margin: in the span they change.
+const KEPT: f64 = 0.5;
+/// By how much, as a share of itself, a proof is bent so that rounding does not spoil it.
+const AGAINST_ROUNDING: f64 = 1e-12;
 /// A limit counts as standing against the wrench from this share of all of them on.
 const NAMED: f64 = 1e-4;
 
 /// Looks for tensions of the closed form over `span`; `inside` is shown those that are within the limits.
 pub fn look(
     rig: &Rig,
-    limits: &TensionLimits,
+    limits: &PerCable<TensionLimits>,
     step: &Step,
     span: Span,
     inside: impl FnOnce(&[Taylor]),
@@ -28,9 +32,12 @@ pub fn look(
         return Finding::Untold(Cause::Singular);
     };
     let (matrix, wrench) = middle(&system);
-    match widest_margin(&matrix, &wrench, limits) {
-        Err(_) => Finding::Untold(Cause::Solver),
-        Ok(Distribution::Infeasible { weights, .. }) => {
+    let Some(solutions) = Solutions::new(&matrix, &wrench, rig.platform_radius()) else {
+        return Finding::Untold(Cause::Singular);
+    };
+    let margin = KEPT * solutions.widest_margin(limits).min(rig.weight()).max(0.0);
+    match solutions.distribute(limits, &reference(rig), margin) {
+        Distribution::Infeasible { weights, .. } => {
             let time = span.time(0.0);
             match refusal(&system, &matrix, &weights, limits, time) {
                 Some(verdict) => Finding::Beyond { time, verdict },
@@ -38,7 +45,7 @@ pub fn look(
                 None => Finding::Perhaps { time },
             }
         }
-        Ok(Distribution::Feasible { tensions, .. }) => match extended(&system, &tensions) {
+        Distribution::Feasible(tensions) => match extended(&system, &tensions) {
             None => Finding::Untold(Cause::Singular),
             Some(tensions) => match judge(&tensions, limits, span) {
                 None => {
@@ -54,9 +61,9 @@ pub fn look(
 }
 
 /// The wrench matrix and the wrench in the middle of the span, nearly.
-fn middle(system: &System) -> (Matrix6xX<f64>, Vector6<f64>) {
-    let matrix = Matrix6xX::from_fn(system.columns.len(), |k, i| {
-        system.columns[i][k].coefficients[0] / system.length[i].coefficients[0]
+fn middle(system: &System) -> (PerCable<Vector6<f64>>, Vector6<f64>) {
+    let matrix = PerCable::from_fn(system.columns.len(), |i| {
+        Vector6::from(system.columns[i].map(|v| v.coefficients[0])) / system.length[i].coefficients[0]
     });
     (matrix, system.wrench.map(|component| component.coefficients[0]).into())
 }
@@ -66,11 +73,10 @@ fn middle(system: &System) -> (Matrix6xX<f64>, Vector6<f64>) {
 ///
 /// With V the matrix whose columns are `length` times too long, V₀ it in the middle and σ the tensions over lengths there, u/l is
 /// σ + V₀ᵀ y, where (V V₀ᵀ) y = w - V σ: six equations for six unknowns.
-fn extended(system: &System, tensions: &[f64]) -> Option<Vec<Taylor>> {
+fn extended(system: &System, tensions: &[f64]) -> Option<PerCable<Taylor>> {
     let cables = tensions.len();
-    let per_length: Vec<f64> = (0..cables).map(|i| tensions[i] / system.length[i].coefficients[0]).collect();
-    let basis: Vec<[f64; 6]> =
-        system.columns.iter().map(|column| column.map(|v| v.coefficients[0])).collect();
+    let per_length = PerCable::from_fn(cables, |i| tensions[i] / system.length[i].coefficients[0]);
+    let basis = system.columns.map(|column| column.map(|v| v.coefficients[0]));
     let mut matrix = [[Taylor::ZERO; 6]; 6];
     let mut lacking = system.wrench;
     for i in 0..cables {
@@ -87,12 +93,12 @@ fn extended(system: &System, tensions: &[f64]) -> Option<Vec<Taylor>> {
         let correction = combination(basis[i], y.each_ref());
         (correction + Taylor::constant(per_length[i])) * system.length[i]
     };
-    Some((0..cables).map(tension).collect())
+    Some(PerCable::from_fn(cables, tension))
 }
 
 /// Whether there is a wrench in the span that no tensions give, or may be.
 fn is_singular(system: &System) -> bool {
-    extended(system, &vec![0.0; system.columns.len()]).is_none()
+    extended(system, &system.length.map(|_| 0.0)).is_none()
 }
 
 /// "Not admissible", if it is proved that no tensions within the limits give the wrench.
@@ -101,29 +107,33 @@ fn is_singular(system: &System) -> bool {
 /// widening all limits by s adds s Σ|c| at most.
 fn refusal(
     system: &System,
-    matrix: &Matrix6xX<f64>,
+    matrix: &PerCable<Vector6<f64>>,
     weights: &[f64],
-    limits: &TensionLimits,
+    limits: &PerCable<TensionLimits>,
     time: f64,
 ) -> Option<Verdict> {
-    if weights.is_empty() {
-        return None;
+    let aim: Vector6<f64> = matrix.iter().zip(weights).map(|(column, weight)| column * *weight).sum();
+    let normal: Matrix6<f64> = matrix.iter().map(|column| column * column.transpose()).sum();
+    let mut y: [f64; 6] = normal.lu().solve(&aim)?.into();
+    // Where nothing limits the tensions of cables that pull against the weight, rounding must not leave their c above 0.
+    if limits.iter().any(|limits| limits.max == f64::INFINITY) {
+        let weight = system.wrench.map(|component| component.coefficients[0]);
+        let most = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let tilt = AGAINST_ROUNDING * most(&y) / most(&weight[..3]);
+        (0..3).for_each(|k| y[k] -= tilt * weight[k]);
     }
-    let aim = matrix * DVector::from_column_slice(weights);
-    let y: [f64; 6] = (matrix * matrix.transpose()).lu().solve(&aim)?.into();
     let mut gap = combination(y, system.wrench.each_ref());
     let mut sum = Taylor::ZERO;
-    let (mut at_least, mut at_greatest) = (vec![], vec![]);
     for (i, (column, length)) in system.columns.iter().zip(&system.length).enumerate() {
         let c = combination(y, column.each_ref()) * length.inverse();
         let greatest = c.range()[1];
-        gap = gap - Taylor::constant(greatest) * if greatest > 0.0 { limits.max } else { limits.min };
+        let limit = if greatest > 0.0 { limits[i].max } else { limits[i].min };
+        gap = gap - Taylor::constant(greatest) * limit;
         sum = sum + Taylor::constant(c.size());
-        if weights[i].abs() > NAMED {
-            if weights[i] > 0.0 { &mut at_greatest } else { &mut at_least }.push(i + 1);
-        }
     }
     let shortfall = (gap * (1.0 / sum.size())).range()[0];
+    let named = |sign: f64| (0..weights.len()).filter(move |i| sign * weights[*i] > NAMED).map(|i| i + 1).collect();
+    let (at_least, at_greatest) = (named(-1.0), named(1.0));
     (gap.range()[0] > 0.0).then_some(Verdict::NoDistribution { time, shortfall, at_least, at_greatest })
 }
 
@@ -159,8 +169,9 @@ mod tests {
             let time = span.time(tau);
             let (matrix, wrench) = middle(&system(&rig, &STEP, Span::Between(time, time)));
             let value = |u: &Taylor| u.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
-            let lacking = &matrix * DVector::from_iterator(8, found.iter().map(value)) - wrench;
-            let errors = matrix.abs() * DVector::from_iterator(8, found.iter().map(|u| u.error));
+            let given: Vector6<f64> = matrix.iter().zip(&found).map(|(column, u)| column * value(u)).sum();
+            let lacking = given - wrench;
+            let errors: Vector6<f64> = matrix.iter().zip(&found).map(|(column, u)| column.abs() * u.error).sum();
             for k in 0..6 {
                 assert!(lacking[k].abs() <= errors[k] + 1e-11, "{k} at {tau}: {lacking} {errors}");
             }
@@ -179,9 +190,10 @@ mod tests {
             let rest = Step { start: pose, rates: Coordinates::zeros(), set_point: pose, ..STEP };
             let system = system(&rig, &rest, Span::Between(0.0, 0.0));
             let (matrix, wrench) = middle(&system);
-            let refuse = |weights: &[f64]| refusal(&system, &matrix, weights, &rig.limits, 0.0);
-            match widest_margin(&matrix, &wrench, &rig.limits).unwrap() {
-                Distribution::Feasible { .. } => {
+            let refuse = |weights: &[f64]| refusal(&system, &matrix, weights, &rig.limits(), 0.0);
+            let solutions = Solutions::new(&matrix, &wrench, rig.platform_radius()).unwrap();
+            match solutions.distribute(&rig.limits(), &reference(&rig), 0.0) {
+                Distribution::Feasible(_) => {
                     feasible += 1;
                     for _ in 0..20 {
                         let weights: Vec<_> = (0..8).map(|_| rng.random_range(-1.0..1.0)).collect();

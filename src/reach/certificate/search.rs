@@ -5,7 +5,7 @@ use super::motion::{Span, Step};
 use super::statics::{Cables, cables};
 use super::taylor::Taylor;
 use super::{Cause, Verdict};
-use crate::robot::{Rig, TensionLimits};
+use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// First span, in time constants of the faster gain.
 const FIRST: f64 = 0.5;
@@ -16,7 +16,7 @@ const ARRIVED: f64 = 40.0;
 /// and after which that is tried for the first time; later when it fails.
 const FIRST_ARRIVAL: f64 = 4.0;
 /// Spans looked at before giving up; a case takes ten or twenty.
-const MOST_SPANS: usize = 400;
+pub const MOST_SPANS: usize = 400;
 
 /// What one span shows.
 pub enum Finding {
@@ -47,10 +47,11 @@ pub fn walk(
     rig: &Rig,
     step: &Step,
     tube: &Tube,
-    limits: &TensionLimits,
+    limits: &PerCable<TensionLimits>,
+    spans: &mut usize,
     mut inside: impl FnMut(&Cables),
 ) -> Result<(), Verdict> {
-    cover(step, |span| match cables(rig, &step.motion(span, tube)) {
+    cover(step, spans, |span| match cables(rig, &step.motion(span, tube)) {
         Some(cables) => match judge(&cables.tension, limits, span) {
             Some(finding) => finding,
             None => {
@@ -62,11 +63,16 @@ pub fn walk(
     })
 }
 
-/// Covers all time from the step on with spans of which `look` says that they are inside.
+/// Covers all time from the step on with spans of which `look` says that they are inside; looks at no more than `spans` of them, and takes
+/// those from it.
 ///
 /// # Errors
 /// As [`walk`].
-pub fn cover(step: &Step, mut look: impl FnMut(Span) -> Finding) -> Result<(), Verdict> {
+pub fn cover(
+    step: &Step,
+    spans: &mut usize,
+    mut look: impl FnMut(Span) -> Finding,
+) -> Result<(), Verdict> {
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
     let refusal = |at_instant: Finding, instant| match at_instant {
@@ -81,7 +87,8 @@ pub fn cover(step: &Step, mut look: impl FnMut(Span) -> Finding) -> Result<(), V
     }
     let mut arrival = FIRST_ARRIVAL / step.slow_rate();
     let (mut time, mut width, mut cause) = (0.0, FIRST / step.fast_rate(), Cause::TooClose);
-    for _ in 0..MOST_SPANS {
+    while *spans > 0 {
+        *spans -= 1;
         if time >= end {
             return Ok(());
         }
@@ -114,11 +121,12 @@ pub fn cover(step: &Step, mut look: impl FnMut(Span) -> Finding) -> Result<(), V
 }
 
 /// The worst of the tensions; `None` where all are within the limits.
-pub fn judge(tensions: &[Taylor], limits: &TensionLimits, span: Span) -> Option<Finding> {
+pub fn judge(tensions: &[Taylor], limits: &[TensionLimits], span: Span) -> Option<Finding> {
     let mut worst = 0.0;
     let mut finding = None;
     for (i, tension) in tensions.iter().enumerate() {
         let [least, greatest] = tension.range();
+        let limits = &limits[i];
         if least > limits.min && greatest < limits.max {
             continue;
         }

@@ -6,18 +6,19 @@ use nalgebra::{Matrix6, Vector3};
 
 use super::motion::Motion;
 use super::taylor::{ORDER, Taylor, combination};
-use crate::robot::{CABLES, PerCable, Rig};
+use crate::robot::triangles::SIX;
+use crate::robot::{Cable, PerCable, Rig};
 
 type Vector = [Taylor; 3];
 
-/// The cables over a span of time.
+/// Six cables over a span of time.
 pub struct Cables {
     /// Tensions, N.
-    pub tension: PerCable<Taylor>,
+    pub tension: [Taylor; SIX],
     /// Lengths, m.
-    pub length: PerCable<Taylor>,
+    pub length: [Taylor; SIX],
     /// From attachment to anchor, m, in the platform's frame.
-    along: [Vector; CABLES],
+    along: [Vector; SIX],
     orientation: Orientation,
 }
 
@@ -28,11 +29,11 @@ pub struct Cables {
 pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
     let orientation = Orientation::new(motion);
     let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
-    let mut length = [Taylor::ZERO; CABLES];
-    let mut along = [[Taylor::ZERO; 3]; CABLES];
-    let mut matrix = [[Taylor::ZERO; CABLES]; 6];
-    for i in 0..CABLES {
-        let column = column(rig, i, &orientation, &position);
+    let mut length = [Taylor::ZERO; SIX];
+    let mut along = [[Taylor::ZERO; 3]; SIX];
+    let mut matrix = [[Taylor::ZERO; SIX]; 6];
+    for i in 0..SIX {
+        let column = column(&rig.cables[i], &orientation, &position)?;
         along[i] = [column[0], column[1], column[2]];
         length[i] = norm(&along[i])?;
         for k in 0..6 {
@@ -47,9 +48,9 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
 /// W u = w of any number of cables over a span of time.
 pub struct System {
     /// Columns of the wrench matrix, each `length` times too long.
-    pub columns: Vec<[Taylor; 6]>,
-    /// Lengths, m.
-    pub length: Vec<Taylor>,
+    pub columns: PerCable<[Taylor; 6]>,
+    /// Lengths of their straight parts, m.
+    pub length: PerCable<Taylor>,
     /// What the cables must give.
     pub wrench: [Taylor; 6],
 }
@@ -59,22 +60,47 @@ impl System {
     pub fn new(rig: &Rig, motion: &Motion) -> Option<Self> {
         let orientation = Orientation::new(motion);
         let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
-        let columns: Vec<_> =
-            (0..rig.anchors.len()).map(|i| column(rig, i, &orientation, &position)).collect();
-        let length = columns.iter().map(|c| norm(&[c[0], c[1], c[2]])).collect::<Option<_>>()?;
+        let count = rig.cables.len();
+        let mut columns = PerCable::filled(count, [Taylor::ZERO; 6]);
+        let mut length = PerCable::filled(count, Taylor::ZERO);
+        for i in 0..count {
+            columns[i] = column(&rig.cables[i], &orientation, &position)?;
+            length[i] = norm(&[columns[i][0], columns[i][1], columns[i][2]])?;
+        }
         Some(Self { columns, length, wrench: required_wrench(rig, motion, &orientation) })
     }
 }
 
-/// From attachment to anchor of cable `i` (from 0), and the torque of a pull along it, both in the platform's frame: a column of the
-/// wrench matrix, `length` times too long.
-fn column(rig: &Rig, i: usize, orientation: &Orientation, position: &Vector) -> [Taylor; 6] {
-    let attachment = &rig.attachments[i];
-    let anchor = orientation.turned_to_platform(&rig.anchors[i]);
+/// From the attachment along the straight part of the cable, and the torque of a pull along it, both in the platform's frame: a column of the
+/// wrench matrix, `length` times too long. `None` where an attachment may be inside a pulley.
+fn column(cable: &Cable, orientation: &Orientation, position: &Vector) -> Option<[Taylor; 6]> {
+    let attachment = &cable.attachment;
+    let anchor = orientation.turned_to_platform(&cable.anchor);
     let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
     let along: Vector = std::array::from_fn(|k| from_centre[k] + Taylor::constant(-attachment[k]));
-    let torque = arm_cross(attachment, &from_centre);
-    [along[0], along[1], along[2], torque[0], torque[1], torque[2]]
+    let (along, torque) = match &cable.pulley {
+        None => (along, arm_cross(attachment, &from_centre)),
+        Some(pulley) => {
+            let along = over_pulley(pulley.radius, &orientation.turned_to_platform(&pulley.axis), &along)?;
+            (along, arm_cross(attachment, &along))
+        }
+    };
+    Some([along[0], along[1], along[2], torque[0], torque[1], torque[2]])
+}
+
+/// From the attachment to where the cable leaves the wheel: the formulas of [`Pulley::run`](crate::robot::Pulley::run).
+fn over_pulley(radius: f64, axis: &Vector, to_anchor: &Vector) -> Option<Vector> {
+    let dot = |a: &Vector, b: &Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let height = -dot(to_anchor, axis);
+    let sideways: Vector = std::array::from_fn(|k| -to_anchor[k] - axis[k] * height);
+    let distance = norm(&sideways)?;
+    let (p, q) = (distance + Taylor::constant(-radius), height);
+    let square = p * p + q * q;
+    let free = (square + Taylor::constant(-radius * radius).widened(f64::EPSILON * radius * radius)).sqrt()?;
+    let share = free * square.inverse();
+    let cos = (p * radius - q * free) * share;
+    let sin = (q * radius + p * free) * share * distance.inverse();
+    Some(std::array::from_fn(|k| axis[k] * cos - sideways[k] * sin))
 }
 
 /// Bounds of how much the torque of the cables about the platform's axes changes when it moves while the tensions are held:
@@ -83,8 +109,8 @@ fn column(rig: &Rig, i: usize, orientation: &Orientation, position: &Vector) -> 
 /// A cable that runs along v, of length l, pulls u v/l; moved by v' it pulls u/l (v' - v (v·v')/l²) more.
 pub fn stiffness(rig: &Rig, cables: &Cables) -> [[f64; 6]; 3] {
     let mut torque = [[Taylor::ZERO; 3]; 6];
-    for i in 0..CABLES {
-        let (v, attachment) = (&cables.along[i], &rig.attachments[i]);
+    for i in 0..SIX {
+        let (v, attachment) = (&cables.along[i], &rig.cables[i].attachment);
         let inverse_length = cables.length[i].inverse();
         let (per_length, per_square) = (cables.tension[i] * inverse_length, inverse_length * inverse_length);
         for j in 0..6 {
@@ -161,16 +187,17 @@ impl Orientation {
 
 /// Left side of Eq. (1), force and torque in the platform's frame.
 fn required_wrench(rig: &Rig, motion: &Motion, orientation: &Orientation) -> [Taylor; 6] {
-    let [x, y, z] = [0, 1, 2].map(|k| motion.accelerations[k]);
-    let force = orientation.to_platform(&[x, y, z + Taylor::constant(-rig.g)]);
+    let lift: Vector =
+        std::array::from_fn(|k| motion.accelerations[k] + Taylor::constant(-rig.gravity[k]));
+    let force = orientation.to_platform(&lift);
     let (omega, alpha) = orientation.spin(motion);
-    let moment: [f64; 3] = rig.inertia.into();
+    let times_inertia = |v: &Vector| -> Vector {
+        std::array::from_fn(|k| combination(std::array::from_fn(|j| rig.inertia[(k, j)]), v.each_ref()))
+    };
+    let (momentum, change) = (times_inertia(&omega), times_inertia(&alpha));
     let torque: Vector = std::array::from_fn(|k| {
         let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-        // Euler's equations about principal axes; the difference of the moments is rounded once.
-        let coupling =
-            Taylor::ball(moment[last] - moment[next], f64::EPSILON * (moment[last] + moment[next]));
-        alpha[k] * moment[k] + omega[next] * omega[last] * coupling
+        change[k] + omega[next] * momentum[last] - omega[last] * momentum[next]
     });
     let [fx, fy, fz] = force.map(|component| component * rig.mass);
     [fx, fy, fz, torque[0], torque[1], torque[2]]
@@ -193,7 +220,7 @@ fn norm(v: &Vector) -> Option<Taylor> {
 /// With C near the inverse of W in the middle, A = C W is near 1 and A u = b = C w. A polynomial û that solves this to the order kept
 /// leaves r = b - A û, and u - û = r + (1 - A)(u - û). Where ρ = ‖1 - A‖∞ < 1, A is regular and |u - û| ≤ ‖r‖∞/(1 - ρ); once more
 /// through the same equation gives each component its own bound.
-pub fn solve(matrix: &[[Taylor; CABLES]; 6], wrench: &[Taylor; 6]) -> Option<PerCable<Taylor>> {
+pub fn solve(matrix: &[[Taylor; SIX]; 6], wrench: &[Taylor; 6]) -> Option<[Taylor; SIX]> {
     let inverse = Matrix6::from_fn(|row, column| matrix[row][column].coefficients[0]).try_inverse()?;
     let row = |k: usize| std::array::from_fn(|j| inverse[(k, j)]);
     let a: [[Taylor; 6]; 6] = std::array::from_fn(|k| {
@@ -248,10 +275,10 @@ fn series(a: &[[Taylor; 6]; 6], b: &[Taylor; 6]) -> [Taylor; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::Gains;
+    use crate::control::{Gains, tensions};
     use crate::reach::certificate::margins::Tube;
     use crate::reach::certificate::motion::{Span, Step};
-    use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits, tensions};
+    use crate::robot::{Coordinates, Pose, Pulley, RobotParameters, TensionLimits};
     use nalgebra::Rotation3;
 
     const STEP: Step = Step {
@@ -261,9 +288,18 @@ mod tests {
         gains: Gains { lambda: 2.0, eta: 4.0 },
     };
 
-    fn paper() -> (RobotParameters, Rig) {
-        let robot = RobotParameters::default();
-        (robot, Rig::triangular(&robot, TensionLimits { min: 0.0, max: 100.0 }))
+    fn paper() -> Rig {
+        Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 })
+    }
+
+    /// With pulleys, products of inertia and gravity that is not along z.
+    fn odd() -> Rig {
+        let mut rig = paper();
+        rig.gravity = Vector3::new(0.5, -0.3, 9.7);
+        (rig.inertia[(0, 1)], rig.inertia[(1, 0)]) = (0.005, 0.005);
+        let pulley = Pulley { radius: 0.05, axis: Vector3::new(0.0, 0.6, -0.8) };
+        rig.cables.iter_mut().step_by(2).for_each(|cable| cable.pulley = Some(pulley));
+        rig
     }
 
     /// In the middle of a span.
@@ -273,16 +309,14 @@ mod tests {
 
     #[test]
     fn tensions_are_those_of_the_inverse_dynamics() {
-        let (robot, rig) = paper();
-        let geometry = Geometry::new(&robot);
-        for k in 0..50 {
+        for (k, rig) in (0..100).map(|k| (k / 2, if k % 2 == 0 { paper() } else { odd() })) {
             let time = 0.05 * f64::from(k);
             let motion = STEP.motion(Span::Between(time, time), &Tube::empty());
             let found = cables(&rig, &motion).unwrap();
             let at = |of| middle(of);
             let [q, dq, ddq] = [at(&motion.coordinates), at(&motion.rates), at(&motion.accelerations)];
-            let expected = tensions(&robot, &geometry, &Pose(q), &dq, &ddq).unwrap();
-            for i in 0..CABLES {
+            let expected = tensions(&rig, &Pose(q), &dq, &ddq, 0.0).unwrap();
+            for i in 0..SIX {
                 let [low, high] = found.tension[i].range();
                 assert!(
                     high - low < 1e-9 && (expected[i] - low).abs() < 1e-9,
@@ -296,14 +330,14 @@ mod tests {
 
     #[test]
     fn a_span_encloses_its_instants_with_an_error_of_high_order() {
-        let (_, rig) = paper();
+        let rig = odd();
         let over =
             |width: f64| cables(&rig, &STEP.motion(Span::Between(0.2, 0.2 + width), &Tube::empty())).unwrap();
         let span = over(0.1);
         for k in 0..=20 {
             let at = 0.2 + 0.005 * f64::from(k);
             let instant = cables(&rig, &STEP.motion(Span::Between(at, at), &Tube::empty())).unwrap();
-            for i in 0..CABLES {
+            for i in 0..SIX {
                 let ([low, high], [l, h]) = (span.tension[i].range(), instant.tension[i].range());
                 assert!(low <= l && h <= high);
             }
@@ -313,15 +347,14 @@ mod tests {
 
     #[test]
     fn stiffness_is_the_change_of_the_torque() {
-        let (robot, rig) = paper();
-        let geometry = Geometry::new(&robot);
+        let rig = paper();
         let motion = STEP.motion(Span::Between(0.3, 0.3), &Tube::empty());
         let found = cables(&rig, &motion).unwrap();
         let tension = found.tension.map(|u| u.coefficients[0]);
         let pose = Pose(middle(&motion.coordinates));
         let torque = |moved: &Vector3<f64>, turn: &Vector3<f64>| {
             let rotation = pose.rotation() * Rotation3::from_scaled_axis(*turn);
-            rotation.inverse() * geometry.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
+            rotation.inverse() * rig.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
         };
         let bounds = stiffness(&rig, &found);
         for j in 0..6 {

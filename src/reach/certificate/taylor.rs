@@ -18,7 +18,7 @@ pub const LIBRARY: f64 = 4.0 * f64::EPSILON;
 ///
 /// Every operation encloses: if the operands contain two functions, the result contains what the operation makes of them. The error
 /// takes up the powers of τ that are dropped and all rounding.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taylor {
     /// c₀ to c₅.
     pub coefficients: [f64; ORDER],
@@ -138,14 +138,23 @@ impl Taylor {
         (sin * cos_step + cos * sin_step, cos * cos_step - sin * sin_step)
     }
 
-    /// One over functions that are greater than 0, within a constant; without bound where they may not be.
+    /// One over functions that are greater than 0; without bound where they may not be.
+    ///
+    /// With a polynomial r near it, |1/s - r| = |1 - s r|/s.
     pub fn inverse(&self) -> Self {
-        let [least, greatest] = self.range();
+        let least = self.range()[0];
         if least <= 0.0 {
             return Self::ball(0.0, f64::INFINITY);
         }
-        let (low, high) = (1.0 / greatest, 1.0 / least);
-        Self::ball(0.5 * (low + high), 0.5 * (high - low) + 2.0 * f64::EPSILON * high)
+        let s = &self.coefficients;
+        let mut inverse = Self::constant(1.0 / s[0]);
+        for k in 1..ORDER {
+            let r = &inverse.coefficients;
+            let sum: f64 = (1..=k).map(|j| s[j] * r[k - j]).sum();
+            inverse.coefficients[k] = -sum / s[0];
+        }
+        let distance = (Self::constant(1.0) - *self * inverse).size() / least;
+        inverse.widened(distance * UPWARDS)
     }
 
     /// The square root of functions that are 0 or more; `None` where the polynomial near it is not positive.
