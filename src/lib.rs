@@ -41,7 +41,7 @@
 //! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
 pub mod control;
-//pub mod plan;
+pub mod plan;
 pub mod reach;
 pub mod robot;
 //pub mod sim;

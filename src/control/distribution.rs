@@ -211,6 +211,29 @@ impl Solutions {
         margin
     }
 
+    /// The solution that is nearest to 0, N.
+    pub fn least(&self) -> &PerCable<f64> {
+        &self.least
+    }
+
+    /// An orthonormal basis of the null space of W: of the projection's columns the largest, what it leaves of the others, and so on.
+    pub fn null_space(&self) -> PerCable<Point> {
+        let count = self.least.len();
+        let mut columns = self.projection;
+        PerCable::from_fn(count - LEAST_CABLES, |_| {
+            let square = |column: &Point| column.iter().map(|value| value * value).sum::<f64>();
+            let largest = (0..count).max_by(|i, j| square(&columns[*i]).total_cmp(&square(&columns[*j])));
+            let picked = columns[largest.unwrap_or(0)];
+            let size = square(&picked).sqrt();
+            let unit = picked.map(|value| value / size);
+            for column in &mut columns[..count] {
+                let share: f64 = (0..count).map(|i| unit[i] * column[i]).sum();
+                (0..count).for_each(|i| column[i] -= share * unit[i]);
+            }
+            unit
+        })
+    }
+
     /// The solution that is nearest to `reference`.
     fn nearest_to(&self, reference: &PerCable<f64>) -> PerCable<f64> {
         PerCable::from_fn(self.least.len(), |i| self.least[i] + self.projected(i, reference))

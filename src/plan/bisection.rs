@@ -2,7 +2,7 @@
 
 /// β⁺ after `steps` (N) halvings; 0 at once if that is admissible, 1 if nothing else was found.
 /// `admissible` must hold from some β on up to 1.
-pub fn smallest_admissible(steps: i32, admissible: impl Fn(f64) -> bool) -> f64 {
+pub fn smallest_admissible(steps: i32, mut admissible: impl FnMut(f64) -> bool) -> f64 {
     if admissible(0.0) {
         return 0.0;
     }

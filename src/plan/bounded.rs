@@ -1,7 +1,8 @@
 //! The planner `Bounded`, the paper's: Eq. (17) with the domain (15).
 
 use super::bisection::smallest_admissible;
-use super::planner::{Planner, SMALLEST_STEP, Situation, horizontal, is_horizontal};
+use super::exact::MOST_SPANS;
+use super::planner::{Planner, Situation, horizontal};
 use crate::reach::BoundedDomain;
 use crate::robot::{Coordinates, Pose};
 
@@ -11,25 +12,30 @@ impl Planner {
     /// Two things are asked beyond the paper. The robot must be able to rest at the set point with a little tension to spare, because "at
     /// rest" is not quite that; and the tensions must keep the drives' limits on the way, of which (15) knows only that no cable is slack.
     pub(super) fn bounded(&self, from: &Pose, goal: &Pose) -> Option<Pose> {
-        if from == goal || !is_horizontal(from, goal) {
+        let shape = self.shape?;
+        if from == goal || !self.is_horizontal(from, goal) {
             return None;
         }
         let parameters = &self.parameters;
-        let (x_prev, x_f) = (horizontal(from), horizontal(goal));
+        let in_plane = shape.to_paper(goal);
+        let (x_prev, x_f) = (horizontal(&shape.to_paper(from)), horizontal(&in_plane));
+        let place = |beta: f64| x_f + (x_prev - x_f) * beta; // (17)
         let at = |beta: f64| {
-            let mut set_point = *goal;
-            set_point.0.fixed_rows_mut::<2>(0).copy_from(&(x_f + (x_prev - x_f) * beta)); // (17)
-            set_point
+            let mut set_point = in_plane;
+            set_point.0.fixed_rows_mut::<2>(0).copy_from(&place(beta));
+            if beta == 0.0 { *goal } else { shape.to_rig(&set_point) }
         };
-        let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), x_prev, goal.0[2]);
-        let at_rest = Situation { pose: from, rates: &Coordinates::zeros(), set_point: from, hold: 0.0 };
+        let domain = BoundedDomain::new(&shape.robot, &parameters.gains(), x_prev, in_plane.0[2]);
+        let mut spans = MOST_SPANS;
+        let rates = Coordinates::zeros();
+        let at_rest = Situation { pose: from, rates: &rates, set_point: from, hold: 0.0, rest: self.rest };
         let beta = smallest_admissible(parameters.bisection_steps, |beta| {
             let x_d = at(beta);
-            domain.contains(&horizontal(&x_d))
+            domain.contains(&place(beta))
                 && self.rests_at(&x_d, self.allowance())
-                && self.is_proved(&at_rest, &x_d, 0.0)
+                && self.is_proved(&at_rest, &x_d, 0.0, &mut spans)
         });
-        let worth_it = beta == 0.0 || (horizontal(&at(beta)) - x_prev).norm() > SMALLEST_STEP;
+        let worth_it = beta == 0.0 || (place(beta) - x_prev).norm() > self.smallest_step();
         (beta < 1.0 && worth_it).then(|| at(beta))
     }
 }
@@ -43,6 +49,7 @@ mod tests {
     use super::*;
     use crate::plan::ControllerParameters;
     use crate::reach::static_workspace;
+    use crate::robot::RobotParameters;
 
     #[test]
     fn literal_sequence_has_four_set_points_on_the_diagonal() {
@@ -83,7 +90,7 @@ mod tests {
         while let Some(next) = planner.bounded(&from, &goal) {
             from = next;
         }
-        let inside = crate::reach::in_static_workspace(&planner.parameters.robot, &horizontal(&from));
+        let inside = crate::reach::in_static_workspace(&RobotParameters::default(), &horizontal(&from));
         assert!(from.0[1] > 0.2 && inside, "{from:?}");
         assert!(!planner.is_reachable(&from, &goal));
     }
@@ -95,7 +102,7 @@ mod tests {
         x_f: &Vector2<f64>,
         z: f64,
     ) -> Vector2<f64> {
-        let domain = BoundedDomain::new(&parameters.robot, &parameters.gains(), *x_prev, z);
+        let domain = BoundedDomain::new(&RobotParameters::default(), &parameters.gains(), *x_prev, z);
         let at = |beta: f64| x_f + (x_prev - x_f) * beta;
         at(smallest_admissible(parameters.bisection_steps, |beta| domain.contains(&at(beta))))
     }
@@ -130,7 +137,7 @@ mod tests {
             let left = (goal - from).norm();
             let step = (literal(&parameters, &from, &goal, z) - from).norm();
             assert!(
-                left == 0.0 || step <= SMALLEST_STEP,
+                left == 0.0 || step <= planner.smallest_step(),
                 "stopped {left} m short, where the paper goes {step} m"
             );
         }

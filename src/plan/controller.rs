@@ -2,18 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::aim::{Search, WORK};
 use super::interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
-use super::planner::{LARGEST_PITCH, Planner, Situation, is_worth_it};
+use super::planner::{LARGEST_PITCH, Planner, Situation};
 use super::prediction::Prediction;
-use crate::control::{Estimator, ForceLoop, lyapunov};
-use crate::robot::dynamics::static_tensions;
+use crate::control::{Estimator, ForceLoop, lyapunov, static_tensions};
 use crate::robot::pose::PITCH;
-use crate::robot::{CABLES, Coordinates, ParameterError, PerCable, Pose, forward_kinematics};
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose, forward_kinematics};
 
-/// A pose measured farther than this from where it was, plus what the robot can travel meanwhile, is a sensor fault.
-/// m, rad, m/s, rad/s. The first two are the range in which forward kinematics is proved.
+/// A pose measured farther than this from where the robot should be by now, plus what it can travel meanwhile, is a sensor fault.
+/// m, rad, m/s, rad/s; lengths and speeds for the paper's rig, more for a larger one. The first two are the range in which forward
+/// kinematics is proved.
 const JUMP_POSITION: f64 = 0.05;
 const JUMP_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 const TOP_SPEED: f64 = 2.0;
@@ -45,6 +46,8 @@ pub struct Controller {
     /// Where the planner makes for, and the goal for which that was found.
     aim: Pose,
     aimed_for: Option<Pose>,
+    /// The search for where to make for instead of a new goal.
+    search: Option<Search>,
     outputs: ControllerOutputs,
 }
 
@@ -70,7 +73,7 @@ impl Controller {
     ) -> Result<Self, ParameterError> {
         parameters.validate()?;
         let planner = Planner::from(parameters);
-        let outputs = outputs_at(&inputs.encoder_pose, parameters.min_tension);
+        let outputs = outputs_at(&inputs.encoder_pose, &least(&planner));
         let estimator = Estimator::at_rest(inputs.encoder_pose);
         let prediction = prediction(&planner, &estimator, &outputs.set_point, time);
         let mut controller = Self {
@@ -83,11 +86,12 @@ impl Controller {
             ticks: 0,
             estimator,
             acceleration: Coordinates::zeros(),
-            force_loop: ForceLoop::new(),
+            force_loop: ForceLoop::new(&parameters.rig),
             prediction,
             unreachable: false,
             aim: inputs.goal_pose,
             aimed_for: None,
+            search: None,
             outputs,
         };
         controller.begin(inputs);
@@ -115,10 +119,10 @@ impl Controller {
     fn begin(&mut self, inputs: &ControllerInputs) {
         self.mode = Mode::Disabled;
         // A pose that cannot be leaves the one known before.
-        if Self::is_usable(&inputs.encoder_pose) {
+        if self.is_usable(&inputs.encoder_pose) {
             self.estimator = Estimator::at_rest(inputs.encoder_pose);
         }
-        self.outputs = outputs_at(&self.estimator.pose, self.planner.parameters.min_tension);
+        self.outputs = outputs_at(&self.estimator.pose, &least(&self.planner));
         self.aim = inputs.goal_pose;
         self.start_here();
         self.sense(inputs, 0.0);
@@ -137,7 +141,7 @@ impl Controller {
 
     /// Takes in the measured pose and the operator's `enable`, and settles the mode.
     fn sense(&mut self, inputs: &ControllerInputs, dt: f64) {
-        let measured = self.measured_pose(inputs, dt).filter(Self::is_usable);
+        let measured = self.measured_pose(inputs, dt).filter(|pose| self.is_usable(pose));
         let was_disabled = self.mode == Mode::Disabled;
         self.mode = match (inputs.enable, self.mode, measured) {
             (false, ..) => Mode::Disabled,
@@ -161,30 +165,31 @@ impl Controller {
             PoseSource::EncoderPose => Some(inputs.encoder_pose),
             PoseSource::CableLengths => {
                 let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
-                forward_kinematics(&self.planner.geometry, &inputs.cable_length, &expected)
+                forward_kinematics(self.planner.rig(), &inputs.cable_length, &expected)
                     .ok()
                     .map(|found| found.pose)
             }
         }
     }
 
-    /// Below the base and not turned on edge.
-    fn is_usable(pose: &Pose) -> bool {
-        pose.0[2] > 0.0 && pose.0[PITCH].abs() < LARGEST_PITCH
+    /// A pose at which cables can pull the platform up, not turned on edge.
+    fn is_usable(&self, pose: &Pose) -> bool {
+        self.planner.rig().can_be_at(pose) && pose.0[PITCH].abs() < LARGEST_PITCH
     }
 
+    /// Whether a pose is too far from where the robot should be by now.
     fn is_jump(&self, pose: &Pose, dt: f64) -> bool {
-        let moved = pose.minus(&self.estimator.pose);
-        moved.fixed_rows::<3>(0).norm() > JUMP_POSITION + TOP_SPEED * dt
-            || moved.fixed_rows::<3>(3).norm() > JUMP_ANGLE + TOP_ANGULAR_RATE * dt
+        let size = self.planner.size;
+        let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
+        let off = pose.minus(&expected);
+        off.fixed_rows::<3>(0).norm() > (JUMP_POSITION + TOP_SPEED * dt) * size
+            || off.fixed_rows::<3>(3).norm() > JUMP_ANGLE + TOP_ANGULAR_RATE * dt
     }
 
     /// From now on gravity is held at the last good pose.
     fn fault(&self) -> Mode {
-        let ControllerParameters { robot, min_tension, .. } = &self.planner.parameters;
-        let least = [*min_tension; CABLES];
-        let held = static_tensions(robot, &self.planner.geometry, &self.estimator.pose);
-        Mode::Faulted(self.limited(held.unwrap_or(least)))
+        let held = static_tensions(self.planner.rig(), &self.estimator.pose, self.planner.allowance());
+        Mode::Faulted(self.limited(held.unwrap_or(least(&self.planner))))
     }
 
     /// The measured pose becomes the set point, and the planner's clock starts.
@@ -196,13 +201,17 @@ impl Controller {
         self.unreachable = false;
         self.aimed_for = None;
         self.outputs.goal_distance = 0.0;
-        self.force_loop = ForceLoop::new();
+        self.search = None;
+        self.force_loop = ForceLoop::new(self.planner.rig());
         self.acceleration = Coordinates::zeros();
         self.predict();
     }
 
     /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.
     fn plan(&mut self, goal: &Pose) {
+        if let Some(search) = &mut self.search {
+            self.planner.advance(search, WORK);
+        }
         let period = self.planner.parameters.planner_period;
         let elapsed = (self.time - self.started) / period;
         // A tick is not missed for the rounding of communication points.
@@ -229,23 +238,34 @@ impl Controller {
         self.predict();
     }
 
-    /// The goal, or the one before if it differs by so little that no step is worth it. For `Exact` and a goal that cannot be had the
-    /// aim is what comes nearest; it is found once a goal, since that calls the solver.
+    /// The goal, or the one before if it differs by so little that no step is worth it. For `Exact` and a goal that is not reachable the
+    /// aim is what comes nearest; the search for it takes a few steps, in which the robot goes on as before.
     fn take_goal(&mut self, goal: &Pose) -> Pose {
-        if let Some(known) = self.aimed_for.filter(|known| !is_worth_it(known, goal)) {
-            return known;
+        let known = self.search.map(|search| search.goal).or(self.aimed_for);
+        let goal = known.filter(|known| !self.planner.is_worth_it(known, goal)).unwrap_or(*goal);
+        if self.planner.parameters.planner == PlannerKind::Bounded {
+            self.aim = goal;
+            return goal;
         }
-        self.aimed_for = Some(*goal);
-        self.aim = match self.planner.parameters.planner {
-            PlannerKind::Bounded => *goal,
-            PlannerKind::Exact => self.planner.exact_aim(&self.outputs.set_point, goal),
-        };
-        *goal
+        if known != Some(goal) {
+            let mut search = self.planner.search(&self.outputs.set_point, &goal);
+            self.planner.advance(&mut search, WORK);
+            self.search = Some(search);
+        }
+        match self.search {
+            Some(search) if search.has_ended() => {
+                (self.aim, self.aimed_for, self.search) = (search.at, Some(goal), None);
+                goal
+            }
+            // Until it has ended, the goal before stands.
+            Some(_) => self.aimed_for.unwrap_or(self.aim),
+            None => goal,
+        }
     }
 
     fn situation(&self) -> Situation<'_> {
         let Estimator { pose, rates } = &self.estimator;
-        Situation { pose, rates, set_point: &self.outputs.set_point, hold: self.hold }
+        Situation { pose, rates, set_point: &self.outputs.set_point, hold: self.hold, rest: self.planner.rest }
     }
 
     fn is_steady(&self) -> bool {
@@ -266,17 +286,17 @@ impl Controller {
         }
         match self.mode {
             Mode::Active => {}
-            Mode::Disabled => self.outputs.motor_tension = [self.planner.parameters.min_tension; CABLES],
+            Mode::Disabled => self.outputs.motor_tension = least(&self.planner),
             Mode::Faulted(held) => self.outputs.motor_tension = held,
         }
         self.report(&inputs.goal_pose);
     }
 
     fn law(&self) -> Option<PerCable<f64>> {
-        let ControllerParameters { robot, .. } = &self.planner.parameters;
         let Estimator { pose, rates } = &self.estimator;
         let gains = self.planner.parameters.gains();
-        lyapunov::tension_command(robot, &self.planner.geometry, &gains, pose, rates, &self.outputs.set_point)
+        let margin = self.planner.allowance();
+        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, &self.outputs.set_point, margin)
     }
 
     fn pull(&mut self, tension: &PerCable<f64>, inputs: &ControllerInputs, dt: f64) {
@@ -293,14 +313,18 @@ impl Controller {
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
-        tension.map(|u| u.clamp(self.planner.parameters.min_tension, self.planner.parameters.max_tension))
+        let rig = self.planner.rig();
+        PerCable::from_fn(tension.len(), |i| {
+            let limits = rig.cables[i].limits;
+            tension[i].clamp(limits.min, limits.max)
+        })
     }
 
     fn report(&mut self, goal: &Pose) {
         // Once at rest, noise does not end it at once.
         let factor = if self.outputs.steady { STILL_AT_REST } else { 1.0 };
         let steady = self.mode == Mode::Active && self.situation().is_steady_within(factor);
-        let at_goal = steady && !self.unreachable && !is_worth_it(&self.outputs.set_point, goal);
+        let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
         self.outputs.steady = steady;
@@ -323,9 +347,9 @@ impl Controller {
 }
 
 /// At rest at `pose`, which is the set point, with nothing commanded yet.
-fn outputs_at(pose: &Pose, min_tension: f64) -> ControllerOutputs {
+fn outputs_at(pose: &Pose, least: &PerCable<f64>) -> ControllerOutputs {
     ControllerOutputs {
-        motor_tension: [min_tension; CABLES],
+        motor_tension: *least,
         set_point: *pose,
         set_point_index: 0,
         estimated_pose: *pose,
@@ -338,8 +362,13 @@ fn outputs_at(pose: &Pose, min_tension: f64) -> ControllerOutputs {
     }
 }
 
+/// The least tension of each cable, N.
+fn least(planner: &Planner) -> PerCable<f64> {
+    planner.rig().limits().map(|limits| limits.min)
+}
+
 fn prediction(planner: &Planner, estimator: &Estimator, set_point: &Pose, time: f64) -> Prediction {
-    let Planner { parameters, geometry, .. } = planner;
     let state = (&estimator.pose, &estimator.rates);
-    Prediction::new(&parameters.robot, geometry, &parameters.gains(), state, set_point, time)
+    let gains = planner.parameters.gains();
+    Prediction::new(planner.rig(), &gains, state, set_point, time, planner.allowance())
 }

@@ -3,15 +3,15 @@
 //! The certificate proves each of them, from the state as it is measured. For a goal with zero orientation the exact domain tells it how far
 //! to look (docs/exact.md).
 
-use nalgebra::Vector3;
-
 use super::bisection::smallest_admissible;
-use super::interface::ControllerParameters;
-use super::planner::{Planner, STEEPEST, Situation, is_worth_it};
+use super::planner::{Planner, STEEPEST, Situation};
 use crate::reach::certificate::{Step, certify_within};
 use crate::reach::{Curve, ExactDomain, Verdict};
 use crate::robot::pose::PITCH;
 use crate::robot::{Pose, TensionLimits};
+
+/// Spans of time that the certificate looks at in one decision, for all the set points that are tried: what bounds the work.
+pub(super) const MOST_SPANS: usize = 600;
 
 /// Tension that is left unused beside the limits, as a part of the weight: 0.1 N with Table I.
 const SPARE: f64 = 0.0017;
@@ -25,34 +25,35 @@ const LEFT: f64 = 0.9;
 impl Planner {
     /// The tension that is left unused at rest in every cable beside the limits, N.
     pub(super) fn allowance(&self) -> f64 {
-        SPARE * self.parameters.robot.m * self.parameters.robot.g
+        SPARE * self.rig().weight()
     }
 
     /// The active set point is admissible from every state on the way to it, so there is always one (docs/exact.md); `None` if it is
     /// that one.
     pub(super) fn exact(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
-        if now.set_point == goal || goal.0[2] <= 0.0 {
+        if now.set_point == goal || !self.rig().can_be_at(goal) {
             return None;
         }
         // Where less is left at rest, no more is asked for.
         let spare = self.allowance().min(LEFT * self.margin_at(now.set_point)).max(0.0);
-        let within_reach = if now.is_level(goal) { self.translation(now, goal, spare) } else { None };
+        let within_reach = self.translation(now, goal, spare);
         let next = self.proved(now, &within_reach.unwrap_or(*goal), spare);
-        next.filter(|next| next == goal || is_worth_it(now.set_point, next))
+        next.filter(|next| next == goal || self.is_worth_it(now.set_point, next))
     }
 
-    /// How far on the way to the goal cables stay taut, if nothing turns: the certificate need not look farther. `None` if they do not
-    /// even on the way to the active set point.
+    /// Of the paper's robot, how far on the way to the goal cables stay taut, if nothing turns: the certificate need not look farther.
+    /// `None` if they do not even on the way to the active set point, and for other motions and rigs.
     fn translation(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
-        let ControllerParameters { robot, min_tension, .. } = &self.parameters;
-        let limits = TensionLimits { min: min_tension + spare, max: f64::INFINITY };
-        let velocity: Vector3<f64> = now.rates.fixed_rows::<3>(0).into_owned();
-        let domain = ExactDomain::new(robot, &self.parameters.gains(), limits, now.pose.position(), velocity);
-        let (from, to) = (now.set_point.position(), goal.position());
+        let shape = self.shape.filter(|shape| now.is_level(shape, goal))?;
+        let limits = TensionLimits { min: self.rig().common_limits().min + spare, max: f64::INFINITY };
+        let [pose, from, to] = [now.pose, now.set_point, goal].map(|pose| shape.to_paper(pose).position());
+        let velocity = shape.velocity(now.rates);
+        let domain = ExactDomain::new(&shape.robot, &self.parameters.gains(), limits, pose, velocity);
         let share = domain.farthest(&from, &to)?;
         if share == 1.0 {
             return Some(*goal);
         }
+        let (from, to) = (now.set_point.position(), goal.position());
         let mut set_point = *goal;
         set_point.0.fixed_rows_mut::<3>(0).copy_from(&(from + (to - from) * share));
         Some(set_point)
@@ -61,15 +62,22 @@ impl Planner {
     /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates.
     fn proved(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
         let way = Way { from: now.set_point, goal };
+        let mut spans = MOST_SPANS;
         let beta = smallest_admissible(self.parameters.bisection_steps, |beta| {
-            self.is_proved(now, &way.at(beta), spare)
+            self.is_proved(now, &way.at(beta), spare, &mut spans)
         });
         (beta < 1.0).then(|| way.at(beta))
     }
 
     /// Whether the certificate proves the step to `set_point` with `least` (N) to spare, and with what holding the commands may cost.
-    /// Undecided is no. The pitch must stay where the angles tell the orientation.
-    pub(super) fn is_proved(&self, now: &Situation, set_point: &Pose, least: f64) -> bool {
+    /// Undecided is no, also for want of `spans`. The pitch must stay where the angles tell the orientation.
+    pub(super) fn is_proved(
+        &self,
+        now: &Situation,
+        set_point: &Pose,
+        least: f64,
+        spans: &mut usize,
+    ) -> bool {
         let gains = self.parameters.gains();
         let error = now.pose.minus(set_point)[PITCH];
         let pitch = Curve { a: set_point.0[PITCH], b: error, c: now.rates[PITCH], d: 0.0 }.extremes(&gains);
@@ -77,10 +85,8 @@ impl Planner {
             return false;
         }
         let step = Step { start: *now.pose, rates: *now.rates, set_point: *set_point, gains };
-        let range = |spare: f64| {
-            let TensionLimits { min, max } = self.rig.limits;
-            let limits = TensionLimits { min: min + spare, max: max - spare };
-            match certify_within(&self.rig, &limits, &step) {
+        let mut range = |spare: f64| {
+            match certify_within(self.rig(), &self.limits(spare), &step, spans) {
                 Ok(Verdict::Admissible { least, greatest }) => Some(greatest - least),
                 _ => None,
             }
@@ -106,8 +112,9 @@ impl Way<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::interface::{ControllerParameters, PlannerKind};
     use super::*;
-    use crate::plan::PlannerKind;
+    use crate::plan::aim::aim_of;
     use crate::robot::Coordinates;
 
     fn planner() -> Planner {
@@ -119,7 +126,8 @@ mod tests {
     }
 
     fn next(pose: &Pose, rates: &Coordinates, set_point: &Pose, goal: &Pose) -> Option<Pose> {
-        planner().next_set_point(&Situation { pose, rates, set_point, hold: 1e-3 }, goal)
+        let planner = planner();
+        planner.next_set_point(&Situation { pose, rates, set_point, hold: 1e-3, rest: planner.rest }, goal)
     }
 
     #[test]
@@ -163,7 +171,7 @@ mod tests {
             assert!(!planner.is_reachable(&start, &goal), "{goal:?}");
         }
         // Tensions vanish at π/3; here 0.2 N are left.
-        let aim = planner.exact_aim(&start, &yaw(1.1));
+        let aim = aim_of(&planner, &start, &yaw(1.1));
         let kept = 2.0 * planner.allowance();
         assert!(planner.rests_at(&aim, kept) && !planner.rests_at(&yaw(aim.0[5] + 1e-9), kept), "{aim:?}");
     }

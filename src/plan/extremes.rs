@@ -1,7 +1,7 @@
 //! What a step asks of the cables: the extreme tensions along its closed-form response, looked at densely.
 
-use crate::control::{Gains, Response, response};
-use crate::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits, tensions};
+use crate::control::{Gains, Response, response, tensions};
+use crate::robot::{Coordinates, Pose, Rig};
 
 /// Instants looked at, denser at the start.
 const INSTANTS: usize = 4001;
@@ -32,22 +32,15 @@ pub struct Extremes {
 
 /// The extremes of the step from rest at `from` to the set point `to`, along (12), (13) in all six coordinates; `None` if it meets a
 /// singular pose. A breach shorter than 1/2000 of its time after the start may be missed.
-pub fn extremes(
-    robot: &RobotParameters,
-    gains: &Gains,
-    limits: &TensionLimits,
-    from: &Pose,
-    to: &Pose,
-) -> Option<Extremes> {
-    let geometry = Geometry::new(robot);
+pub fn extremes(rig: &Rig, gains: &Gains, from: &Pose, to: &Pose) -> Option<Extremes> {
     let mut found: Option<Extremes> = None;
     for time in response::instants(response::time_to_rest(gains), INSTANTS) {
         let (pose, rates, acceleration) =
             Response::at(gains, time).motion_of(from, &Coordinates::zeros(), to);
-        let tension = tensions(robot, &geometry, &pose, &rates, &acceleration)?;
+        let tension = tensions(rig, &pose, &rates, &acceleration, 0.0)?;
         for (i, tension) in tension.into_iter().enumerate() {
             let here = TensionAt { cable: i + 1, tension, time, pose };
-            let outside = (tension <= limits.min || tension > limits.max).then_some(here);
+            let outside = (tension <= rig.cables[i].limits.min || tension > rig.cables[i].limits.max).then_some(here);
             let Some(so_far) = &mut found else {
                 found = Some(Extremes { smallest: here, greatest: here, first_outside: outside });
                 continue;
@@ -67,12 +60,11 @@ pub fn extremes(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::{RigFile, TensionLimits};
 
     const GAINS: Gains = Gains { lambda: 3.0, eta: 3.0 };
-    const LIMITS: TensionLimits = TensionLimits { min: 0.0, max: 100.0 };
-
     fn of(to: Pose) -> Extremes {
-        extremes(&RobotParameters::default(), &GAINS, &LIMITS, &Pose::default(), &to).unwrap()
+        extremes(&RigFile::default().rig, &GAINS, &Pose::default(), &to).unwrap()
     }
 
     #[test]
@@ -94,13 +86,8 @@ mod tests {
         };
         // Before, at the start, y'' alone carries p to 0.367.
         assert!(first.time == 0.0 && p(0.0) > 0.225, "{first:?}");
-        let slow = extremes(
-            &RobotParameters::default(),
-            &Gains { lambda: 1.0, eta: 1.0 },
-            &LIMITS,
-            &Pose::default(),
-            &Pose::at(0.0, 0.4, 1.0),
-        );
+        let gains = Gains { lambda: 1.0, eta: 1.0 };
+        let slow = extremes(&RigFile::default().rig, &gains, &Pose::default(), &Pose::at(0.0, 0.4, 1.0));
         let first = slow.unwrap().first_outside.unwrap();
         let y = 0.4 * (1.0 - (1.0 + first.time) * (-first.time).exp());
         let y2 = 0.4 * (-first.time).exp() * (1.0 - first.time);
@@ -109,9 +96,8 @@ mod tests {
 
     #[test]
     fn the_upper_limit_counts_as_well() {
-        let limits = TensionLimits { min: 0.0, max: 15.0 };
-        let robot = RobotParameters::default();
-        let found = extremes(&robot, &GAINS, &limits, &Pose::default(), &Pose::at(0.15, 0.15, 1.0)).unwrap();
+        let rig = RigFile::default().rig.with_limits(TensionLimits { min: 0.0, max: 15.0 });
+        let found = extremes(&rig, &GAINS, &Pose::default(), &Pose::at(0.15, 0.15, 1.0)).unwrap();
         let first = found.first_outside.unwrap();
         assert!(first.tension > 15.0 && first.tension <= found.greatest.tension, "{found:?}");
     }

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::control::Gains;
 use crate::robot::parameters::require;
-use crate::robot::{Coordinates, ParameterError, PerCable, Pose, RobotParameters};
+use crate::robot::{
+    Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits,
+};
 
 /// How the next set point is found. The numbers are the FMU's enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,8 +56,8 @@ const MAX_GAIN: f64 = 1000.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ControllerParameters {
-    /// The robot under control.
-    pub robot: RobotParameters,
+    /// The rig under control.
+    pub rig: Rig,
     /// λ₀ of Eq. (2), 1/s.
     pub lambda: f64,
     /// η₀ of Eq. (4), 1/s.
@@ -64,31 +66,68 @@ pub struct ControllerParameters {
     pub planner_period: f64,
     /// N of the bisection after Eq. (17).
     pub bisection_steps: i32,
-    /// Least tension commanded, N.
-    pub min_tension: f64,
-    /// Greatest tension commanded, N.
-    pub max_tension: f64,
     /// Which reachable domain the planner uses.
     pub planner: PlannerKind,
     /// Which input is the measured pose.
     pub pose_source: PoseSource,
     /// Whether the load cells correct the motors (Section VII).
     pub force_loop: bool,
+    /// Distance from a pose, m, and speed, m/s, up to which the robot counts as at rest there; 0 follows the rig's size ([`Rest`]).
+    pub position_tolerance: f64,
+    /// The same for each angle, rad and rad/s; 0 for the default.
+    pub angle_tolerance: f64,
+}
+
+/// What counts as at rest at a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// m, and m/s.
+    pub position: f64,
+    /// Of each angle: rad, and rad/s.
+    pub angle: f64,
+}
+
+/// What counts as rest for the paper's rig, m and rad. The first grows with the rig,
+const REST_POSITION: f64 = 2e-3;
+const REST_ANGLE: f64 = 1e-2;
+/// but not beyond this, m.
+const WIDEST_REST: f64 = 1e-2;
+
+impl ControllerParameters {
+    /// The parameters of Table II for a rig. The planner is `Exact` where the rig is not the paper's.
+    pub fn of(rig: &Rig) -> Self {
+        let planner = if Shape::of(rig).is_ok() { PlannerKind::Bounded } else { PlannerKind::Exact };
+        Self { rig: *rig, planner, ..Self::default() }
+    }
+
+    /// What counts as at rest.
+    pub fn rest(&self) -> Rest {
+        let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
+        let position = (REST_POSITION * size(&self.rig)).min(WIDEST_REST);
+        Rest { position: or(self.position_tolerance, position), angle: or(self.angle_tolerance, REST_ANGLE) }
+    }
+}
+
+/// The rig's radius in units of that of the paper's.
+pub(super) fn size(rig: &Rig) -> f64 {
+    let paper = Rig::paper(&RobotParameters::default(), TensionLimits::default());
+    rig.radius() / paper.radius()
 }
 
 impl Default for ControllerParameters {
+    /// Tables I and II.
     fn default() -> Self {
         Self {
-            robot: RobotParameters::default(),
+            rig: Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 }),
             lambda: 3.0,
             eta: 3.0,
             planner_period: 0.05,
             bisection_steps: 8,
-            min_tension: 0.0,
-            max_tension: 100.0,
             planner: PlannerKind::Bounded,
             pose_source: PoseSource::EncoderPose,
             force_loop: false,
+            position_tolerance: 0.0,
+            angle_tolerance: 0.0,
         }
     }
 }
@@ -145,7 +184,7 @@ impl ControllerParameters {
     /// # Errors
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        self.robot.validate()?;
+        self.rig.validate()?;
         for (name, value) in [("lambda", self.lambda), ("eta", self.eta)] {
             let ok = value > 0.0 && value <= MAX_GAIN;
             require(ok, name, value, "must be greater than 0 and at most 1000 (1/s)")?;
@@ -154,20 +193,37 @@ impl ControllerParameters {
         require(period.is_finite() && period > 0.0, "plannerPeriod", period, "must be greater than 0 (s)")?;
         let steps = self.bisection_steps;
         require((1..=52).contains(&steps), "bisectionSteps", steps.into(), "must be from 1 to 52")?;
-        let (min, max) = (self.min_tension, self.max_tension);
-        require(
-            min.is_finite() && min >= 0.0,
-            "minTension",
-            min,
-            "must be 0 or greater (N): cables cannot push",
-        )?;
-        require(max.is_finite() && max > min, "maxTension", max, "must be greater than minTension (N)")
+        for (name, value) in
+            [("positionTolerance", self.position_tolerance), ("angleTolerance", self.angle_tolerance)]
+        {
+            let ok = value.is_finite() && value >= 0.0;
+            require(ok, name, value, "must be greater than 0, or 0 to follow the rig's size")?;
+        }
+        if self.planner == PlannerKind::Bounded
+            && let Err(other) = Shape::of(&self.rig)
+        {
+            let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
+            return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
+        }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// "At rest" was 2 mm for a rig of 1 mm, and would have been a metre on a telescope.
+    #[test]
+    fn what_counts_as_rest_follows_the_size_of_the_rig() {
+        let rest = |a: f64| {
+            let robot = RobotParameters { a, b: 0.5 * a, ..RobotParameters::default() };
+            ControllerParameters::of(&Rig::paper(&robot, TensionLimits::default())).rest().position
+        };
+        assert_eq!(ControllerParameters::default().rest(), Rest { position: 2e-3, angle: 1e-2 });
+        assert!((rest(0.001) - 2e-3 / 450.0).abs() < 1e-12);
+        assert_eq!(rest(250.0), 1e-2);
+    }
 
     #[test]
     fn each_bad_parameter_is_named() {
@@ -176,15 +232,17 @@ mod tests {
             change(&mut parameters);
             parameters.validate().unwrap_err().to_string()
         };
-        assert!(broken(|p| p.robot.m = -1.0).contains("parameter m = -1"));
-        assert!(broken(|p| p.robot.b = 0.5).contains("parameter b = 0.5"));
-        assert!(broken(|p| p.robot.g = 0.0).contains("parameter g = 0"));
+        assert!(broken(|p| p.rig.mass = -1.0).contains("parameter mass = -1"));
+        assert!(broken(|p| p.rig.cables[4].anchor.y = f64::NAN).contains("parameter anchor[5].y = NaN"));
+        let bent = broken(|p| p.rig.cables[4].anchor.y += 0.02);
+        assert!(bent.contains("parameter planner = 1") && bent.contains("of cable 5 is"), "{bent}");
         assert!(broken(|p| p.lambda = 0.0).contains("parameter lambda = 0"));
         assert!(broken(|p| p.eta = -2.0).contains("parameter eta = -2"));
         assert!(broken(|p| p.bisection_steps = 0).contains("parameter bisectionSteps = 0"));
         assert!(broken(|p| p.planner_period = 0.0).contains("parameter plannerPeriod = 0"));
-        assert!(broken(|p| p.min_tension = -1.0).contains("parameter minTension = -1"));
-        assert!(broken(|p| p.min_tension = 200.0).contains("parameter maxTension = 100"));
+        assert!(broken(|p| p.rig = p.rig.with_limits(TensionLimits { min: -1.0, max: 1.0 })).contains("parameter minTension = -1"));
+        assert!(broken(|p| p.rig.cables[2].limits.min = 200.0).contains("parameter maxTension[3] = 100"));
+        assert!(broken(|p| p.position_tolerance = -1.0).contains("parameter positionTolerance = -1"));
         assert_eq!(ControllerParameters::default().validate(), Ok(()));
     }
 }

@@ -1,6 +1,6 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
-mod aim;
+pub mod aim;
 pub mod bisection;
 mod bounded;
 pub mod controller;
@@ -11,6 +11,7 @@ pub mod linear_program;
 pub mod nearest;
 pub mod planner;
 pub mod prediction;
+mod tangents;
 
 pub use controller::Controller;
 pub use interface::{

@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 
 use crate::reach::quadratic_program::{SolverError, minimise};
 use crate::reach::{BoundedDomain, HalfPlane, static_workspace};
-use crate::robot::{CABLES, RobotParameters};
+use crate::robot::RobotParameters;
+use crate::robot::triangles::SIX;
 
 /// A condition that a set point must meet for one cable's sake.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +36,7 @@ pub fn workspace_facets(robot: &RobotParameters) -> Vec<Facet> {
 /// The facets of the reachable domain (15).
 pub fn domain_facets(domain: &BoundedDomain) -> Vec<Facet> {
     let rows = domain.half_planes();
-    let each = rows.len() / CABLES;
+    let each = rows.len() / SIX;
     let facet = |(row, half_plane)| Facet { cable: row / each + 1, half_plane };
     rows.into_iter().enumerate().map(facet).collect()
 }

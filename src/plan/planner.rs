@@ -1,33 +1,23 @@
 //! Eq. (17): the next set point on the way to the goal.
 
-use std::sync::Arc;
-
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::interface::{ControllerParameters, PlannerKind};
+use super::exact::MOST_SPANS;
+use super::interface::{ControllerParameters, PlannerKind, Rest, size};
+use crate::control::static_margin;
 use crate::robot::pose::PITCH;
-use crate::robot::{
-    CABLES, Coordinates, Geometry, PerCable, Pose, Rig, TensionLimits, dynamics::static_tensions,
-};
-
-/// The motion counts as at rest below these rates, m/s and rad/s,
-const REST_SPEED: f64 = 2e-3;
-const REST_ANGULAR_RATE: f64 = 1e-2;
-/// and as being at a pose within these distances, m and rad.
-const NEAR_POSITION: f64 = 2e-3;
-const NEAR_ANGLE: f64 = 1e-2;
+use crate::robot::{Coordinates, PerCable, Pose, Rig, Shape, TensionLimits};
 
 /// Beyond this pitch, rad, the angles no longer tell the orientation.
 pub(super) const LARGEST_PITCH: f64 = 1.4;
 /// Pitch up to which the planner sends the robot, which may be a little off.
-pub const STEEPEST: f64 = LARGEST_PITCH - NEAR_ANGLE;
-/// Nothing is to be had farther than this many times a from the centre of the base.
+pub const STEEPEST: f64 = LARGEST_PITCH - 1e-2;
+/// No pose is reachable farther than this many radii of the rig from the middle of its anchors.
 pub const FAR: f64 = 100.0;
 
-/// A set point nearer than this to the last one is not worth giving, m and rad.
-pub(super) const SMALLEST_STEP: f64 = 1e-5;
-const SMALLEST_TURN: f64 = 5e-5;
+/// A set point nearer to the last one than this share of what counts as rest is not worth giving.
+const SMALLEST_STEP: f64 = 0.005;
 
 /// What the planner starts from: where the robot is, how it moves, where it was last told to go.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +30,8 @@ pub struct Situation<'a> {
     pub set_point: &'a Pose,
     /// For how long a command is held, s.
     pub hold: f64,
+    /// What counts as rest.
+    pub rest: Rest,
 }
 
 impl Situation<'_> {
@@ -51,37 +43,49 @@ impl Situation<'_> {
     /// The same with all tolerances multiplied.
     pub fn is_steady_within(&self, factor: f64) -> bool {
         let error = self.pose.minus(self.set_point);
-        error.fixed_rows::<3>(0).norm() < factor * NEAR_POSITION
-            && error.fixed_rows::<3>(3).amax() < factor * NEAR_ANGLE
-            && self.rates.fixed_rows::<3>(0).norm() < factor * REST_SPEED
-            && self.rates.fixed_rows::<3>(3).amax() < factor * REST_ANGULAR_RATE
+        let (position, angle) = (factor * self.rest.position, factor * self.rest.angle);
+        error.fixed_rows::<3>(0).norm() < position
+            && error.fixed_rows::<3>(3).amax() < angle
+            && self.rates.fixed_rows::<3>(0).norm() < position
+            && self.rates.fixed_rows::<3>(3).amax() < angle
     }
 
-    /// Whether the motion is, to within what counts as rest, and a step to `goal` would be, a translation with zero orientation.
-    pub(super) fn is_level(&self, goal: &Pose) -> bool {
+    /// Whether the motion is, to within what counts as rest, and a step to `goal` would be, a translation of the paper's robot with zero
+    /// orientation.
+    pub(super) fn is_level(&self, shape: &Shape, goal: &Pose) -> bool {
         let turning = self.rates.fixed_rows::<3>(3).amax();
-        turning < REST_ANGULAR_RATE
-            && is_upright(goal)
-            && [self.pose, self.set_point].into_iter().all(is_level)
+        turning < self.rest.angle
+            && is_upright(&shape.to_paper(goal))
+            && [self.pose, self.set_point].into_iter().all(|pose| tilt(&shape.to_paper(pose)) < self.rest.angle)
     }
 }
 
-/// Gives set points towards a goal. It is its parameters, and what follows from them: the geometry, and the rig that the certificate asks
-/// for. Copies share the rig, so that copying allocates nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Gives set points towards a goal: its parameters, and what follows from them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "ControllerParameters", into = "ControllerParameters")]
 pub struct Planner {
     pub(super) parameters: ControllerParameters,
-    pub(super) geometry: Geometry,
-    pub(super) rig: Arc<Rig>,
+    /// The paper's robot, where the rig is that.
+    pub(super) shape: Option<Shape>,
+    pub(super) rest: Rest,
+    /// The rig's size in units of the paper's.
+    pub(super) size: f64,
+    middle: Vector3<f64>,
+    /// Farthest from there that poses are looked at, m.
+    pub(super) far: f64,
 }
 
 impl From<ControllerParameters> for Planner {
     fn from(parameters: ControllerParameters) -> Self {
-        let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
-        let robot = &parameters.robot;
-        let rig = Arc::new(Rig::triangular(robot, limits));
-        Self { parameters, geometry: Geometry::new(robot), rig }
+        let rig = &parameters.rig;
+        Self {
+            shape: Shape::of(rig).ok(),
+            rest: parameters.rest(),
+            size: size(rig),
+            middle: rig.middle(),
+            far: FAR * rig.radius(),
+            parameters,
+        }
     }
 }
 
@@ -98,7 +102,9 @@ impl Planner {
             PlannerKind::Bounded if now.is_steady() => {
                 let next = self.bounded(now.set_point, goal);
                 // What is left of a motion must not slacken a cable either: then it has to wait. (15) itself has room for held commands.
-                next.filter(|next| self.is_proved(&Situation { hold: 0.0, ..*now }, next, 0.0))
+                next.filter(|next| {
+                    self.is_proved(&Situation { hold: 0.0, ..*now }, next, 0.0, &mut { MOST_SPANS })
+                })
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
@@ -114,7 +120,7 @@ impl Planner {
     /// (15) a move in x and y at constant height, for the exact domain any.
     pub fn is_reachable(&self, from: &Pose, goal: &Pose) -> bool {
         match self.parameters.planner {
-            PlannerKind::Bounded => is_horizontal(from, goal) && self.rests_at(goal, 0.0),
+            PlannerKind::Bounded => self.is_horizontal(from, goal) && self.rests_at(goal, 0.0),
             PlannerKind::Exact => self.rests_at(goal, 0.0),
         }
     }
@@ -124,14 +130,43 @@ impl Planner {
         self.margin_at(pose) > allowance
     }
 
-    /// How far inside its limits every tension is at rest, N; less than nothing where the robot cannot be at rest.
+    /// How far inside its limits every tension can be at rest, N; less than nothing where the robot cannot be at rest.
     pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
-        let ControllerParameters { min_tension, max_tension, robot, .. } = &self.parameters;
-        let is_sensible =
-            pose.0[2] > 0.0 && pose.position().amax() <= FAR * robot.a && pose.0[PITCH].abs() < STEEPEST;
-        let tension = static_tensions(robot, &self.geometry, pose).filter(|_| is_sensible);
-        let margin = |u: f64| (u - min_tension).min(max_tension - u);
-        tension.map_or(f64::NEG_INFINITY, |u| u.into_iter().map(margin).fold(f64::INFINITY, f64::min))
+        let is_sensible = self.rig().can_be_at(pose)
+            && (pose.position() - self.middle).amax() <= self.far
+            && pose.0[PITCH].abs() < STEEPEST;
+        if is_sensible { static_margin(self.rig(), pose) } else { f64::NEG_INFINITY }
+    }
+
+    /// The rig.
+    pub(super) fn rig(&self) -> &Rig {
+        &self.parameters.rig
+    }
+
+    /// The limits with `margin` (N) kept from them.
+    pub(super) fn limits(&self, margin: f64) -> PerCable<TensionLimits> {
+        self.rig().limits().map(|limits| limits.shrunk(margin))
+    }
+
+    /// Whether a step this far is worth giving.
+    pub(super) fn is_worth_it(&self, from: &Pose, to: &Pose) -> bool {
+        let way = to.minus(from);
+        way.fixed_rows::<3>(0).norm() > self.smallest_step()
+            || way.fixed_rows::<3>(3).amax() > SMALLEST_STEP * self.rest.angle
+    }
+
+    /// m.
+    pub(super) fn smallest_step(&self) -> f64 {
+        SMALLEST_STEP * self.rest.position
+    }
+
+    /// Whether (15) speaks of the motion: the paper's robot moves level at constant height.
+    pub(super) fn is_horizontal(&self, from: &Pose, goal: &Pose) -> bool {
+        let Some(shape) = &self.shape else { return false };
+        let (from, goal) = (shape.to_paper(from), shape.to_paper(goal));
+        goal.0[2] > 0.0
+            && [&from, &goal].into_iter().all(|pose| tilt(pose) < self.rest.angle)
+            && (from.0[2] - goal.0[2]).abs() < self.rest.position
     }
 
     /// From a pose to the goal, m: the root mean square of the ways of the attachments. For equal orientations the way of them all.
@@ -143,33 +178,17 @@ impl Planner {
             return 0.0;
         }
         let squares: f64 = ways.iter().map(|way| (way / largest).norm_squared()).sum();
-        (largest * (squares / CABLES as f64).sqrt()).min(f64::MAX)
+        (largest * (squares / ways.len() as f64).sqrt()).min(f64::MAX)
     }
 
     /// The ways of the attachments from a pose to the goal, m.
     pub(super) fn ways(&self, pose: &Pose, goal: &Pose) -> PerCable<Vector3<f64>> {
         let (way, from, to) = (goal.position() - pose.position(), pose.rotation(), goal.rotation());
-        self.geometry.attachment.map(|b| way + (to * b - from * b))
+        self.rig().cables.map(|cable| way + (to * cable.attachment - from * cable.attachment))
     }
 }
 
-/// Whether a step this far is worth giving.
-pub(super) fn is_worth_it(from: &Pose, to: &Pose) -> bool {
-    let way = to.minus(from);
-    way.fixed_rows::<3>(0).norm() > SMALLEST_STEP || way.fixed_rows::<3>(3).amax() > SMALLEST_TURN
-}
-
-/// Whether (15) speaks of the motion.
-pub(super) fn is_horizontal(from: &Pose, goal: &Pose) -> bool {
-    goal.0[2] > 0.0 && is_level(from) && is_level(goal) && (from.0[2] - goal.0[2]).abs() < NEAR_POSITION
-}
-
-/// Whether an orientation counts as zero.
-fn is_level(pose: &Pose) -> bool {
-    tilt(pose) < NEAR_ANGLE
-}
-
-/// Whether it is zero.
+/// Whether the orientation is zero.
 pub(super) fn is_upright(pose: &Pose) -> bool {
     tilt(pose) == 0.0
 }
@@ -194,14 +213,15 @@ mod tests {
         assert_eq!(planner.distance(&here, &Pose::at(0.3, 0.0, 0.6)), 0.5);
         // A quarter of a turn takes an attachment along a chord of √2 radii.
         let turned = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2));
-        let expected = 2f64.sqrt() * planner.geometry.platform_radius();
+        let expected = 2f64.sqrt() * planner.rig().platform_radius();
         assert!((planner.distance(&here, &turned) - expected).abs() < 1e-12);
     }
 
     #[test]
     fn a_saved_planner_comes_back_with_its_rig() {
-        let robot = crate::robot::RobotParameters { m: 7.0, ..Default::default() };
-        let planner = Planner::from(ControllerParameters { robot, ..Default::default() });
+        let mut parameters = ControllerParameters::default();
+        parameters.rig.mass = 7.0;
+        let planner = Planner::from(parameters);
         let bytes = postcard::to_stdvec(&planner).unwrap();
         assert_eq!(postcard::from_bytes::<Planner>(&bytes).unwrap(), planner);
         assert_eq!(bytes, postcard::to_stdvec(&planner.parameters).unwrap());

@@ -1,5 +1,7 @@
 //! What the robot is: Table I of the paper, SI units.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -8,21 +10,21 @@ use thiserror::Error;
 #[error("parameter {name} = {value} is not allowed: {allowed}")]
 pub struct ParameterError {
     /// Name as in the contract (and in the FMU).
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The value given.
     pub value: f64,
     /// What would be right, in words.
-    pub allowed: &'static str,
+    pub allowed: Cow<'static, str>,
 }
 
 /// Succeeds if `ok`, else names the parameter, its value and what is allowed.
 pub fn require(
     ok: bool,
-    name: &'static str,
+    name: impl Into<Cow<'static, str>>,
     value: f64,
     allowed: &'static str,
 ) -> Result<(), ParameterError> {
-    if ok { Ok(()) } else { Err(ParameterError { name, value, allowed }) }
+    if ok { Ok(()) } else { Err(ParameterError { name: name.into(), value, allowed: allowed.into() }) }
 }
 
 /// Geometry and mass of the robot. The default is Table I.
@@ -57,7 +59,7 @@ impl RobotParameters {
     /// # Errors
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        let positive = |name, value: f64| {
+        let positive = |name: &'static str, value: f64| {
             require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
         };
         positive("a", self.a)?;

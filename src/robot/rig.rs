@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::parameters::RobotParameters;
+use super::parameters::{ParameterError, RobotParameters, require};
 use super::per_cable::PerCable;
 use super::pulley::Pulley;
 use super::{Pose, triangles};
@@ -171,6 +171,48 @@ impl Rig {
     pub fn static_wrench(&self) -> Vector6<f64> {
         let force = self.gravity * -self.mass;
         Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
+    }
+
+    /// Names the first number that makes no sense, as the FMU's parameters are called.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the parameter's name, its value and what is allowed.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        let count = self.cables.len() as f64;
+        require(count >= LEAST_CABLES as f64, "cables", count, "at least 6 are needed to hold a body in space")?;
+        for (i, cable) in self.cables.iter().enumerate() {
+            for (end, point) in [("anchor", &cable.anchor), ("attachment", &cable.attachment)] {
+                for (axis, value) in ["x", "y", "z"].into_iter().zip(point.iter()) {
+                    require(value.is_finite(), format!("{end}[{}].{axis}", i + 1), *value, "must be finite (m)")?;
+                }
+            }
+        }
+        let positive = |name: &'static str, value: f64| {
+            require(value.is_finite() && value > 0.0, name, value, "must be finite and greater than 0")
+        };
+        positive("mass", self.mass)?;
+        for (k, name) in ["inertia.xx", "inertia.yy", "inertia.zz"].into_iter().enumerate() {
+            positive(name, self.inertia[(k, k)])?;
+        }
+        let allowed = "the inertia tensor must have principal moments greater than 0";
+        require(self.inertia.cholesky().is_some(), "inertia.xy", self.inertia[(0, 1)], allowed)?;
+        let gravity = self.gravity.norm();
+        require(gravity.is_finite(), "gravity", gravity, "must be finite")?;
+        let ok = self.accuracy.is_finite() && self.accuracy >= 0.0;
+        require(ok, "accuracy", self.accuracy, "must be finite and 0 or greater (m)")?;
+        self.validate_limits()
+    }
+
+    fn validate_limits(&self) -> Result<(), ParameterError> {
+        let first = self.cables[0].limits;
+        let alike = self.cables.iter().all(|cable| cable.limits == first);
+        let named = |name: &str, i: usize| if alike { name.to_owned() } else { format!("{name}[{}]", i + 1) };
+        for (i, TensionLimits { min, max }) in self.limits().into_iter().enumerate() {
+            let ok = min.is_finite() && min >= 0.0;
+            require(ok, named("minTension", i), min, "must be 0 or greater (N): cables cannot push")?;
+            require(max > min, named("maxTension", i), max, "must be greater than minTension (N)")?;
+        }
+        Ok(())
     }
 
     /// Whether a measured pose makes sense: finite, and with a cable that pulls against gravity. A platform above all its anchors has
