@@ -44,4 +44,4 @@ pub mod control;
 pub mod plan;
 pub mod reach;
 pub mod robot;
-//pub mod sim;
+pub mod sim;

@@ -199,6 +199,7 @@ impl Controller {
         self.started = self.time;
         self.ticks = 0;
         self.unreachable = false;
+        self.aim = self.estimator.pose;
         self.aimed_for = None;
         self.outputs.goal_distance = 0.0;
         self.search = None;

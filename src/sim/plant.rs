@@ -1,4 +1,4 @@
-//! The plant: a rigid body on six cables, with the imperfections of a real rig if asked for.
+//! The plant: a rigid body on its cables, with the imperfections of a real rig if asked for.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -7,12 +7,11 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::body::{self, State};
+use super::body::{self, Body, State};
 use super::integrator::integrate;
 use crate::robot::parameters::require;
 use crate::robot::{
-    CABLES, Cables, Coordinates, Geometry, ParameterError, PerCable, Pose, RobotParameters,
-    forward_kinematics,
+    Cables, Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
@@ -22,8 +21,8 @@ const FRICTION_TURNOVER: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PlantParameters {
-    /// The robot simulated.
-    pub robot: RobotParameters,
+    /// The rig simulated; its limits of tension are the controller's affair.
+    pub rig: Rig,
     /// Where the platform hangs, at rest, when the simulation starts.
     pub initial_pose: Pose,
     /// Coulomb friction between motor and platform, N a cable: the platform feels less while the motor hauls in, more while it
@@ -42,7 +41,7 @@ pub struct PlantParameters {
 impl Default for PlantParameters {
     fn default() -> Self {
         Self {
-            robot: RobotParameters::default(),
+            rig: Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 }),
             initial_pose: Pose::default(),
             friction: 0.0,
             motor_lag: 0.0,
@@ -54,7 +53,7 @@ impl Default for PlantParameters {
 }
 
 /// What the plant reads in a step; held over the step. Vectors are in the base frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantInputs {
     /// What the motors are told to pull, N; negative pulls with zero.
     pub motor_tension: PerCable<f64>,
@@ -62,6 +61,14 @@ pub struct PlantInputs {
     pub disturbance_force: Vector3<f64>,
     /// Torque on the platform, N m.
     pub disturbance_torque: Vector3<f64>,
+}
+
+impl PlantInputs {
+    /// Nothing pulls and nothing disturbs.
+    pub fn none(cables: usize) -> Self {
+        let none = Vector3::zeros();
+        Self { motor_tension: PerCable::filled(cables, 0.0), disturbance_force: none, disturbance_torque: none }
+    }
 }
 
 /// What the plant shows.
@@ -99,7 +106,6 @@ pub struct PlantError {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plant {
     parameters: PlantParameters,
-    geometry: Geometry,
     state: State,
     /// What the motors pull, N.
     motor: PerCable<f64>,
@@ -113,9 +119,12 @@ impl PlantParameters {
     /// # Errors
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        self.robot.validate()?;
-        let z = self.initial_pose.0[2];
-        require(z > 0.0, "initialPose.z", z, "the platform must hang below the base, z > 0 (m)")?;
+        self.rig.validate()?;
+        for (axis, value) in ["x", "y", "z", "roll", "pitch", "yaw"].into_iter().zip(self.initial_pose.0.iter()) {
+            require(value.is_finite(), format!("initialPose.{axis}"), *value, "must be finite")?;
+        }
+        let allowed = "no cable could pull against gravity there: the platform must hang below an anchor (m)";
+        require(self.rig.can_be_at(&self.initial_pose), "initialPose.z", self.initial_pose.0[2], allowed)?;
         for (name, value) in [
             ("friction", self.friction),
             ("motorLag", self.motor_lag),
@@ -137,7 +146,6 @@ impl Plant {
         parameters.validate()?;
         let mut plant = Self {
             parameters,
-            geometry: Geometry::new(&parameters.robot),
             state: body::at_rest(&parameters.initial_pose),
             motor: inputs.motor_tension.map(pull_only),
             noise: Pcg64::seed_from_u64(i64::from(parameters.noise_seed) as u64),
@@ -145,9 +153,9 @@ impl Plant {
                 encoder_pose: parameters.initial_pose,
                 velocity: Vector3::zeros(),
                 angular_velocity: Vector3::zeros(),
-                cable_length: [0.0; CABLES],
-                measured_tension: [0.0; CABLES],
-                slack: [false; CABLES],
+                cable_length: parameters.rig.cables.map(|_| 0.0),
+                measured_tension: parameters.rig.cables.map(|_| 0.0),
+                slack: parameters.rig.cables.map(|_| false),
             },
         };
         plant.measure();
@@ -168,12 +176,13 @@ impl Plant {
     /// [`PlantError`] when the motion cannot be followed; the plant is then unchanged.
     pub fn step(&mut self, inputs: &PlantInputs, h: f64) -> Result<(), PlantError> {
         let command = inputs.motor_tension.map(pull_only);
-        let Self { parameters, geometry, motor, .. } = &*self;
+        let Self { parameters, motor, .. } = &*self;
+        let platform = Body::new(&parameters.rig);
         let disturbance = (&inputs.disturbance_force, &inputs.disturbance_torque);
         let end = integrate(&self.state, h, |t, state| {
             let pull = lagged(motor, &command, parameters.motor_lag, t);
             let tension = |cables: &Cables| platform_tension(parameters.friction, &pull, cables, state);
-            body::derivative(&parameters.robot, geometry, state, tension, disturbance)
+            body::derivative(&platform, state, tension, disturbance)
         });
         let end = end.map_err(|stopped| PlantError {
             time: stopped.time,
@@ -200,14 +209,14 @@ impl Plant {
     fn measure(&mut self) {
         let rotation = body::rotation(&self.state);
         let position = body::position(&self.state);
-        let cables = self.geometry.cables(&position, &rotation);
+        let cables = self.parameters.rig.cables(&position, &rotation);
         let tension = platform_tension(self.parameters.friction, &self.motor, &cables, &self.state);
         let pose = Pose::from_parts(&position, &rotation);
         let resolution = self.parameters.encoder_resolution;
         let (encoder_pose, cable_length) = if resolution > 0.0 {
             let seen = cables.length.map(|l| (l / resolution).round() * resolution);
             // Lengths rounded so coarsely that they belong to no pose leave the last one standing.
-            let found = forward_kinematics(&self.geometry, &seen, &pose);
+            let found = forward_kinematics(&self.parameters.rig, &seen, &pose);
             (found.map_or(self.outputs.encoder_pose, |found| found.pose), seen)
         } else {
             (pose, cables.length)
@@ -243,7 +252,7 @@ fn lagged(start: &PerCable<f64>, command: &PerCable<f64>, lag: f64, t: f64) -> P
         return *command;
     }
     let left = (-t / lag).exp();
-    std::array::from_fn(|i| command[i] + (start[i] - command[i]) * left)
+    PerCable::from_fn(start.len(), |i| command[i] + (start[i] - command[i]) * left)
 }
 
 /// What the platform feels of the motors' pull after friction, N.
@@ -252,5 +261,5 @@ fn platform_tension(friction: f64, pull: &PerCable<f64>, cables: &Cables, state:
         return *pull;
     }
     let rates = cables.length_rates(&body::twist(state));
-    std::array::from_fn(|i| pull_only(pull[i] + friction * (rates[i] / FRICTION_TURNOVER).tanh()))
+    PerCable::from_fn(pull.len(), |i| pull_only(pull[i] + friction * (rates[i] / FRICTION_TURNOVER).tanh()))
 }

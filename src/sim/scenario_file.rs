@@ -13,9 +13,9 @@ use toml::Spanned;
 
 use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
+use crate::control::static_margin;
 use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
-use crate::reach::in_static_workspace;
-use crate::robot::{Coordinates, ParameterError, Pose};
+use crate::robot::{Coordinates, ParameterError, Pose, Rig, TensionLimits};
 
 /// Step of a scenario that gives none, s.
 pub const DEFAULT_STEP: f64 = 1e-3;
@@ -104,7 +104,7 @@ impl ScenarioFile {
             rig: rig.to_owned(),
             controller,
             plant,
-            goals: self.goals(((duration - step) / ROUNDING).round() * ROUNDING)?,
+            goals: self.goals(&controller.rig, ((duration - step) / ROUNDING).round() * ROUNDING)?,
             disturbances: self.disturbances()?,
             duration,
             step,
@@ -121,23 +121,27 @@ impl ScenarioFile {
             fields::PoseSource::EncoderPose => PoseSource::EncoderPose,
             fields::PoseSource::CableLengths => PoseSource::CableLengths,
         });
+        let mut rig = base.rig;
+        for cable in rig.cables.iter_mut() {
+            cable.limits.min = or(&given.min_tension, cable.limits.min);
+            cable.limits.max = or(&given.max_tension, cable.limits.max);
+        }
         ControllerParameters {
-            robot: base.robot,
+            rig,
             lambda: or(&given.lambda, base.lambda),
             eta: or(&given.eta, base.eta),
             planner_period: or(&given.planner_period, base.planner_period),
             bisection_steps: or(&given.bisection_steps, base.bisection_steps),
-            min_tension: or(&given.min_tension, base.min_tension),
-            max_tension: or(&given.max_tension, base.max_tension),
             planner: planner.unwrap_or(base.planner),
             pose_source: pose_source.unwrap_or(base.pose_source),
             force_loop: given.force_loop.unwrap_or(base.force_loop),
+            ..base
         }
     }
 
     fn plant(&self, controller: &ControllerParameters, initial_pose: Pose) -> PlantParameters {
         let given = &self.file.imperfections;
-        let ideal = PlantParameters { robot: controller.robot, initial_pose, ..PlantParameters::default() };
+        let ideal = PlantParameters { rig: controller.rig, initial_pose, ..PlantParameters::default() };
         PlantParameters {
             friction: or(&given.friction, ideal.friction),
             motor_lag: or(&given.motor_lag, ideal.motor_lag),
@@ -164,8 +168,8 @@ impl ScenarioFile {
 
     fn start(&self, controller: &ControllerParameters, home: Pose) -> Result<Pose, ScenarioFileError> {
         let Some(given) = &self.file.start else { return Ok(home) };
-        let pose = self.pose(given, "start")?;
-        let rests = in_static_workspace(&controller.robot, &pose.position().xy());
+        let pose = self.pose(&controller.rig, given, "start")?;
+        let rests = static_margin(&controller.rig.with_limits(TensionLimits::default()), &pose) > 0.0;
         let allowed =
             "it lies outside the static workspace: a cable is slack there, so there is no rest to start from";
         self.require(rests, given, "start", format!("{:?}", given.get_ref()), allowed)?;
@@ -173,7 +177,7 @@ impl ScenarioFile {
     }
 
     /// A goal that comes after the beginning of the last step is never given.
-    fn goals(&self, last: f64) -> Result<Vec<Goal>, ScenarioFileError> {
+    fn goals(&self, rig: &Rig, last: f64) -> Result<Vec<Goal>, ScenarioFileError> {
         let mut goals: Vec<Goal> = vec![];
         for (i, table) in self.file.goals.iter().enumerate() {
             let field = |name: &str| format!("goals[{}].{name}", i + 1);
@@ -184,7 +188,7 @@ impl ScenarioFile {
             let before = goals.last().map_or(f64::NEG_INFINITY, |goal| goal.time);
             let allowed = format!("must come after the goal before it, {before} s");
             self.require(time > before, &table.time, &field("time"), time, &allowed)?;
-            goals.push(Goal { time, pose: self.pose(&table.pose, &field("pose"))? });
+            goals.push(Goal { time, pose: self.pose(rig, &table.pose, &field("pose"))? });
         }
         Ok(goals)
     }
@@ -212,22 +216,25 @@ impl ScenarioFile {
         Ok(disturbances)
     }
 
-    /// Three or six numbers, below the base.
-    fn pose(&self, given: &Spanned<Vec<f64>>, field: &str) -> Result<Pose, ScenarioFileError> {
+    /// Three or six numbers, where a cable can pull against gravity.
+    fn pose(&self, rig: &Rig, given: &Spanned<Vec<f64>>, field: &str) -> Result<Pose, ScenarioFileError> {
         let numbers = given.get_ref();
         let ok = matches!(numbers.len(), 3 | 6) && numbers.iter().all(|number| number.is_finite());
         let allowed = "a pose is three finite numbers x, y, z (m), or six with roll, pitch, yaw (rad)";
         self.require(ok, given, field, format!("{numbers:?}"), allowed)?;
-        let z = numbers[2];
-        let allowed = "z points down: a pose below the base has z > 0 (m)";
-        self.require(z > 0.0, given, &format!("{field}[3]"), z, allowed)?;
         for (k, angle) in numbers.iter().enumerate().skip(3) {
             let allowed = "angles are in radians, at most a turn (6.2832) each way";
             self.require(angle.abs() <= TAU, given, &format!("{field}[{}]", k + 1), angle, allowed)?;
         }
         let mut pose = Coordinates::zeros();
         pose.as_mut_slice()[..numbers.len()].copy_from_slice(numbers);
-        Ok(Pose(pose))
+        let pose = Pose(pose);
+        let allowed = match rig.gravity.z >= 0.0 {
+            true => "z points down: below the anchors z is greater than theirs (m)",
+            false => "z points up: below the anchors z is less than theirs (m)",
+        };
+        self.require(rig.can_be_at(&pose), given, &format!("{field}[3]"), numbers[2], allowed)?;
+        Ok(pose)
     }
 
     fn vector(
@@ -270,7 +277,8 @@ impl ScenarioFile {
     fn locate(&self, error: &ParameterError) -> ScenarioFileError {
         let (controller, rig) = (&self.file.controller, &self.file.imperfections);
         let least = start_of(&controller.min_tension);
-        let (field, offset) = match error.name {
+        let name = error.name.split_once('[').map_or(&*error.name, |(name, _)| name);
+        let (field, offset) = match name {
             "lambda" => ("controller.lambda", start_of(&controller.lambda)),
             "eta" => ("controller.eta", start_of(&controller.eta)),
             "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),
@@ -283,7 +291,7 @@ impl ScenarioFile {
             "loadCellNoise" => ("imperfections.load_cell_noise", start_of(&rig.load_cell_noise)),
             other => (other, None),
         };
-        self.refusal(offset.unwrap_or(0), field, error.value, error.allowed)
+        self.refusal(offset.unwrap_or(0), field, error.value, &error.allowed)
     }
 }
 

@@ -65,8 +65,7 @@ fn every_field_is_read() {
         eta: 4.0,
         planner_period: 0.1,
         bisection_steps: 9,
-        min_tension: 1.0,
-        max_tension: 50.0,
+        rig: ControllerParameters::default().rig.with_limits(TensionLimits { min: 1.0, max: 50.0 }),
         planner: PlannerKind::Exact,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
@@ -79,7 +78,7 @@ fn every_field_is_read() {
         encoder_resolution: 1e-5,
         load_cell_noise: 0.05,
         noise_seed: -7,
-        ..PlantParameters::default()
+        rig: controller.rig,
     };
     assert_eq!((found.controller, found.plant), (controller, plant));
     assert_eq!((found.duration, found.step), (3.0, 0.01));
@@ -113,7 +112,8 @@ fn the_schema_that_is_checked_in_is_that_of_the_file() {
 
 #[test]
 fn what_is_not_given_is_the_rigs() {
-    let base = ControllerParameters { lambda: 1.5, max_tension: 70.0, ..ControllerParameters::default() };
+    let mut base = ControllerParameters { lambda: 1.5, ..ControllerParameters::default() };
+    base.rig = base.rig.with_limits(TensionLimits { min: 0.0, max: 70.0 });
     let home = Pose::at(0.05, 0.0, 0.9);
     let file = ScenarioFile::parse("title = \"t\"\nduration = 1.0").unwrap();
     let found = file.scenario("rig", home, base).unwrap();
