@@ -41,7 +41,12 @@
 //! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
 pub mod control;
+pub mod cosim;
+pub mod fmi;
 pub mod plan;
 pub mod reach;
+//pub mod report;
+//pub mod rig;
 pub mod robot;
 pub mod sim;
+//pub mod transport;

@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use super::lifecycle::State;
 use super::log::Category;
-use super::variables::{Kind, Row};
+use super::models::Scalar;
+use super::variables::Kind;
 use crate::robot::ParameterError;
 use crate::sim::plant::PlantError;
 
@@ -62,6 +63,8 @@ pub enum FmiError {
         "the token {given:?} belongs to no model of this library; it has {known}: are XML and library of one build?"
     )]
     Token { given: String, known: String },
+    #[error("{path} in the FMU's resources cannot be used: {why}")]
+    Resource { path: String, why: String },
     #[error("{what} cannot be retrieved: {why}")]
     NoSuchStatus { what: &'static str, why: &'static str },
     #[error("{function} failed for an internal reason, please report it: {message}")]
@@ -70,15 +73,15 @@ pub enum FmiError {
 
 impl FmiError {
     /// A value that is none of its row's type.
-    pub fn bad_value(row: &Row, reference: u32, value: f64) -> Self {
-        let allowed = match row.kind {
+    pub fn bad_value(scalar: &Scalar, value: f64) -> Self {
+        let allowed = match scalar.row.kind {
             Kind::Enumeration(kind) => {
-                let items = kind.items.iter().enumerate();
-                items.map(|(i, (name, _))| format!("{} ({name})", i + 1)).collect::<Vec<_>>().join(", ")
+                let items = kind.numbered().map(|(number, name, _)| format!("{number} ({name})"));
+                items.collect::<Vec<_>>().join(", ")
             }
             _ => "a finite number".to_owned(),
         };
-        Self::BadValue { name: row.scalar_name(reference), value, allowed }
+        Self::BadValue { name: scalar.name(), value, allowed }
     }
 
     /// The status that the standard has for this.

@@ -3,14 +3,14 @@
 use super::error::{FmiError, Status};
 use super::lifecycle::{Function, State};
 use super::log::{Category, Log};
-use super::models::Model;
+use super::models::{Interface, Model, Scalar};
 use super::state::Snapshot;
 use super::values::Values;
-use super::variables::{Causality, Kind, Row, Variability};
+use super::variables::{Causality, Kind, Variability};
 
 /// An instance as `fmi2Instantiate` or `fmi3InstantiateCoSimulation` makes it.
 pub struct Instance {
-    model: Model,
+    interface: Interface,
     /// Where messages go.
     pub log: Log,
     /// All that get/setFMUState saves.
@@ -19,13 +19,19 @@ pub struct Instance {
 
 impl Instance {
     /// An instance with all variables at their start values.
-    pub fn new(model: Model, log: Log) -> Self {
-        Self { model, log, now: Snapshot::new(model) }
+    pub fn new(interface: Interface, log: Log) -> Self {
+        let now = Snapshot::new(&interface);
+        Self { interface, log, now }
     }
 
     /// Which model it is.
     pub fn model(&self) -> Model {
-        self.model
+        self.interface.model()
+    }
+
+    /// Its variables.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
     }
 
     /// Where it is in its life.
@@ -73,9 +79,9 @@ impl Instance {
     /// # Errors
     /// [`FmiError::Parameter`] naming the parameter that makes no sense.
     pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
-        self.now.start()?;
+        self.now.start(&self.interface)?;
         self.now.state = State::StepMode;
-        if let Some(warning) = self.model.warning(&self.now.values) {
+        if let Some(warning) = self.interface.warning(&self.now.values) {
             self.log.send(Status::Ok, Category::Warning, &warning);
         }
         self.event(|now| format!("initialised at t = {} s", now.time()));
@@ -133,7 +139,7 @@ impl Instance {
 
     /// Back to how it was when instantiated; the logging stays as it is set.
     pub fn reset(&mut self) {
-        self.now = Snapshot::new(self.model);
+        self.now = Snapshot::new(&self.interface);
     }
 
     /// All that a later [`Instance::restore`] needs.
@@ -146,8 +152,8 @@ impl Instance {
     /// # Errors
     /// [`FmiError::State`] for a state of the other model.
     pub fn restore(&mut self, saved: &Snapshot) -> Result<(), FmiError> {
-        if saved.model() != self.model {
-            let (theirs, ours) = (saved.model().identifier(), self.model.identifier());
+        if saved.model() != self.model() {
+            let (theirs, ours) = (saved.model().identifier(), self.model().identifier());
             return Err(FmiError::State(format!("it was saved by {theirs}, this is {ours}")));
         }
         self.now.clone_from(saved);
@@ -166,9 +172,9 @@ impl Instance {
         mut give: impl FnMut(usize, f64),
     ) -> Result<(), FmiError> {
         for &reference in references {
-            let row = self.row(function, handles, reference)?;
-            if row.causality == Causality::Output {
-                self.calculate_outputs(row, reference)?;
+            let scalar = self.scalar(function, handles, reference)?;
+            if scalar.row.causality == Causality::Output {
+                self.calculate_outputs(&scalar)?;
             }
         }
         for (i, &reference) in references.iter().enumerate() {
@@ -189,9 +195,9 @@ impl Instance {
         take: impl Fn(usize) -> f64,
     ) -> Result<(), FmiError> {
         for (i, &reference) in references.iter().enumerate() {
-            let row = self.row(function, handles, reference)?;
-            self.check_settable(row, reference)?;
-            check_value(row, reference, take(i))?;
+            let scalar = self.scalar(function, handles, reference)?;
+            self.check_settable(&scalar)?;
+            check_value(&scalar, take(i))?;
         }
         for (i, &reference) in references.iter().enumerate() {
             self.now.values.put(reference, take(i));
@@ -203,48 +209,45 @@ impl Instance {
         Ok(())
     }
 
-    fn row(
+    fn scalar(
         &self,
         function: &'static Function,
         handles: fn(Kind) -> bool,
         reference: u32,
-    ) -> Result<&'static Row, FmiError> {
-        let (function, model) = (function.name, self.model.identifier());
-        let row =
-            self.model.row(reference).ok_or(FmiError::UnknownReference { function, model, reference })?;
-        if handles(row.kind) {
-            return Ok(row);
+    ) -> Result<Scalar, FmiError> {
+        let (function, model) = (function.name, self.model().identifier());
+        let scalar = self
+            .interface
+            .scalar(reference)
+            .ok_or(FmiError::UnknownReference { function, model, reference })?;
+        if handles(scalar.row.kind) {
+            return Ok(scalar);
         }
-        Err(FmiError::WrongType {
-            function,
-            name: row.scalar_name(reference),
-            reference,
-            kind: row.kind.name(),
-        })
+        Err(FmiError::WrongType { function, name: scalar.name(), reference, kind: scalar.row.kind.name() })
     }
 
-    fn calculate_outputs(&mut self, row: &Row, reference: u32) -> Result<(), FmiError> {
+    fn calculate_outputs(&mut self, scalar: &Scalar) -> Result<(), FmiError> {
         let why = match (&self.now.running, self.now.state) {
             (Some(_), _) => return Ok(()),
-            (None, State::Initialization) => match self.now.start() {
+            (None, State::Initialization) => match self.now.start(&self.interface) {
                 Ok(()) => return Ok(()),
                 Err(error) => error.to_string(),
             },
             (None, _) => "outputs exist from Initialization Mode on".to_owned(),
         };
-        Err(FmiError::NotReady { name: row.scalar_name(reference), why })
+        Err(FmiError::NotReady { name: scalar.name(), why })
     }
 
-    fn check_settable(&self, row: &Row, reference: u32) -> Result<(), FmiError> {
+    fn check_settable(&self, scalar: &Scalar) -> Result<(), FmiError> {
         let state = self.now.state;
-        let allowed = match row.causality {
+        let allowed = match scalar.row.causality {
             Causality::Input => return Ok(()),
             Causality::Parameter if state != State::StepMode => return Ok(()),
             Causality::Parameter => "it is a fixed parameter, to be set before initialisation ends",
             Causality::Output => "it is an output",
             Causality::Independent => "time advances with doStep only",
         };
-        Err(FmiError::NotSettable { name: row.scalar_name(reference), state, allowed })
+        Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
     }
 
     fn event(&self, text: impl FnOnce(&Snapshot) -> String) {
@@ -256,12 +259,14 @@ impl Instance {
     /// One line for each discrete output that a step has changed.
     fn report_changes(&self, before: &Values) {
         let after = &self.now.values;
-        for row in
-            self.model.rows_with(Causality::Output).filter(|row| row.variability == Variability::Discrete)
-        {
-            for reference in row.references().filter(|&i| before.at(i) != after.at(i)) {
-                let (name, time) = (row.scalar_name(reference), self.time());
-                let (old, new) = (before.text(row, reference), after.text(row, reference));
+        let discrete = |scalar: &Scalar| {
+            scalar.row.causality == Causality::Output && scalar.row.variability == Variability::Discrete
+        };
+        for scalar in self.interface.scalars().filter(discrete) {
+            let reference = scalar.reference;
+            if before.at(reference) != after.at(reference) {
+                let (name, time) = (scalar.name(), self.time());
+                let (old, new) = (before.text(scalar.row, reference), after.text(scalar.row, reference));
                 self.event(|_| format!("{name} changed from {old} to {new} in the step to t = {time} s"));
             }
         }
@@ -270,11 +275,11 @@ impl Instance {
 
 /// Numbers are finite always; enumerations have an item for them. Ranges of parameters are checked by the model when
 /// initialisation ends, since they may be set in any order.
-fn check_value(row: &Row, reference: u32, value: f64) -> Result<(), FmiError> {
-    match row.kind {
-        Kind::Enumeration(kind) if (1.0..=kind.items.len() as f64).contains(&value) => Ok(()),
+fn check_value(scalar: &Scalar, value: f64) -> Result<(), FmiError> {
+    match scalar.row.kind {
+        Kind::Enumeration(kind) if kind.has(value) => Ok(()),
         Kind::Float64 | Kind::Int32 | Kind::Boolean if value.is_finite() => Ok(()),
-        _ => Err(FmiError::bad_value(row, reference, value)),
+        _ => Err(FmiError::bad_value(scalar, value)),
     }
 }
 

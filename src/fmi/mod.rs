@@ -9,7 +9,7 @@
 //! - [`lifecycle`]: which call is allowed when;
 //! - [`instance`]: what the calls do; [`state`]: what an instance is and how it is saved; [`log`]: what it says;
 //! - [`abi`]: the C functions, which translate pointers into the above and nothing else;
-//! - [`describe`]: the XML and the documentation, rendered from the tables.
+//! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
 
 pub mod abi;
 pub mod bindings;
@@ -19,8 +19,9 @@ pub mod instance;
 pub mod lifecycle;
 pub mod log;
 pub mod models;
+pub mod resources;
 pub mod state;
 pub mod values;
 pub mod variables;
 
-pub use models::{MODELS, Model};
+pub use models::{Interface, MODELS, Model};

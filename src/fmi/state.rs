@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::FmiError;
 use super::lifecycle::State;
-use super::models::{Model, Running};
+use super::models::{Interface, Model, Running};
 use super::values::Values;
-use super::variables::{Causality, Kind};
+use super::variables::{Causality, Kind, Row};
 
 /// All that an instance is, except for where its messages go.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,12 +27,12 @@ const TIME: u32 = 0;
 
 impl Snapshot {
     /// As instantiated.
-    pub fn new(model: Model) -> Self {
+    pub fn new(interface: &Interface) -> Self {
         Self {
-            model,
+            model: interface.model(),
             state: State::Instantiated,
             stop: None,
-            values: Values::new(model.rows()),
+            values: interface.start().clone(),
             running: None,
         }
     }
@@ -52,72 +52,73 @@ impl Snapshot {
     }
 
     /// Starts the model with the values as they are.
-    pub(super) fn start(&mut self) -> Result<(), FmiError> {
+    pub(super) fn start(&mut self, interface: &Interface) -> Result<(), FmiError> {
         let time = self.time();
-        self.running = Some(self.model.start(&mut self.values, time)?);
+        self.running = Some(interface.begin(&mut self.values, time)?);
         Ok(())
     }
 
-    /// The state as bytes.
+    /// The state as bytes, for an instance with this interface.
     ///
     /// # Errors
     /// None that is known: a snapshot is plain data.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, FmiError> {
+    pub fn to_bytes(&self, interface: &Interface) -> Result<Vec<u8>, FmiError> {
         let payload = postcard::to_stdvec(self).map_err(|error| FmiError::State(error.to_string()))?;
-        let mut bytes = header(self.model, FORMAT);
+        let mut bytes = header(interface, FORMAT);
         bytes.extend((payload.len() as u64).to_le_bytes());
         bytes.extend(payload);
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
         Ok(bytes)
     }
 
-    /// The state that [`Snapshot::to_bytes`] wrote, for an instance of `model`.
+    /// The state that [`Snapshot::to_bytes`] wrote, for an instance with this interface.
     ///
     /// # Errors
     /// [`FmiError::State`] for bytes that are damaged, of another model, or of another version.
-    pub fn from_bytes(model: Model, bytes: &[u8]) -> Result<Self, FmiError> {
-        let payload = payload(model, bytes).map_err(FmiError::State)?;
+    pub fn from_bytes(interface: &Interface, bytes: &[u8]) -> Result<Self, FmiError> {
+        let payload = payload(interface, bytes).map_err(FmiError::State)?;
         let snapshot: Self =
             postcard::from_bytes(payload).map_err(|error| FmiError::State(error.to_string()))?;
-        if snapshot.is_consistent(model) {
+        if snapshot.is_consistent(interface) {
             return Ok(snapshot);
         }
         Err(FmiError::State("its parts contradict each other".to_owned()))
     }
 
     /// Guards against bytes that were made, not saved.
-    fn is_consistent(&self, model: Model) -> bool {
-        self.model == model
-            && self.values.fits(model.rows())
+    fn is_consistent(&self, interface: &Interface) -> bool {
+        self.model == interface.model()
+            && self.values.fits(interface)
             && self.stop.is_none_or(f64::is_finite)
-            && self.running.as_ref().is_none_or(|running| running.model() == model)
+            && self.running.as_ref().is_none_or(|running| running.model() == self.model)
             && (self.running.is_some() || self.state != State::StepMode)
-            && self.enumerations_have_items()
+            && self.enumerations_have_items(interface)
     }
 
-    fn enumerations_have_items(&self) -> bool {
+    fn enumerations_have_items(&self, interface: &Interface) -> bool {
         let calculated = self.running.is_some();
-        self.model.rows().iter().filter(|row| calculated || row.causality != Causality::Output).all(|row| {
+        let set = |row: &&&'static Row| calculated || row.causality != Causality::Output;
+        interface.rows().iter().filter(set).all(|row| {
             let Kind::Enumeration(kind) = row.kind else { return true };
-            (1..=kind.items.len() as i32).contains(&self.values.integer(row))
+            kind.has(self.values.scalar(row))
         })
     }
 }
 
 const MAGIC: &[u8; 8] = b"CABLEROB";
 /// Counts up when the payload changes its shape.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 const TOKEN_AT: usize = 12;
 const LENGTH_AT: usize = TOKEN_AT + 36;
 const PAYLOAD_AT: usize = LENGTH_AT + 8;
 const CHECKSUM_LENGTH: usize = 4;
 
-fn header(model: Model, format: u32) -> Vec<u8> {
-    [MAGIC, &format.to_le_bytes()[..], model.token().as_bytes()].concat()
+fn header(interface: &Interface, format: u32) -> Vec<u8> {
+    [MAGIC, &format.to_le_bytes()[..], interface.token().as_bytes()].concat()
 }
 
 /// The payload, if all that is around it is right.
-fn payload(model: Model, bytes: &[u8]) -> Result<&[u8], String> {
+fn payload<'a>(interface: &Interface, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     if bytes.len() < PAYLOAD_AT + CHECKSUM_LENGTH {
         return Err(format!("{} bytes are fewer than any state has", bytes.len()));
     }
@@ -127,12 +128,12 @@ fn payload(model: Model, bytes: &[u8]) -> Result<&[u8], String> {
     if bytes[MAGIC.len()..TOKEN_AT] != FORMAT.to_le_bytes() {
         return Err(format!("its format is not {FORMAT}, the one of this version"));
     }
-    if &bytes[TOKEN_AT..LENGTH_AT] != model.token().as_bytes() {
+    if &bytes[TOKEN_AT..LENGTH_AT] != interface.token().as_bytes() {
         let token = String::from_utf8_lossy(&bytes[TOKEN_AT..LENGTH_AT]);
         return Err(format!(
             "it belongs to the token {token:?}, {} has {}",
-            model.identifier(),
-            model.token()
+            interface.model().identifier(),
+            interface.token()
         ));
     }
     let (body, checksum) = bytes.split_at(bytes.len() - CHECKSUM_LENGTH);
@@ -150,49 +151,54 @@ fn payload(model: Model, bytes: &[u8]) -> Result<&[u8], String> {
 mod tests {
     use super::*;
 
+    fn plant() -> Interface {
+        Model::Plant.interface()
+    }
+
     #[test]
     fn a_round_trip_gives_the_same_state() {
-        for model in crate::fmi::models::MODELS {
-            let snapshot = Snapshot::new(model);
-            assert_eq!(Snapshot::from_bytes(model, &snapshot.to_bytes().unwrap()), Ok(snapshot));
+        for interface in crate::fmi::models::MODELS.map(Model::interface) {
+            let snapshot = Snapshot::new(&interface);
+            let bytes = snapshot.to_bytes(&interface).unwrap();
+            assert_eq!(Snapshot::from_bytes(&interface, &bytes), Ok(snapshot));
         }
     }
 
     #[test]
     fn every_flipped_bit_and_every_cut_is_refused() {
-        let bytes = Snapshot::new(Model::Plant).to_bytes().unwrap();
+        let plant = plant();
+        let bytes = Snapshot::new(&plant).to_bytes(&plant).unwrap();
         for bit in 0..8 * bytes.len() {
             let mut damaged = bytes.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
-            assert!(Snapshot::from_bytes(Model::Plant, &damaged).is_err(), "bit {bit}");
+            assert!(Snapshot::from_bytes(&plant, &damaged).is_err(), "bit {bit}");
         }
         for length in 0..bytes.len() {
-            assert!(Snapshot::from_bytes(Model::Plant, &bytes[..length]).is_err(), "length {length}");
+            assert!(Snapshot::from_bytes(&plant, &bytes[..length]).is_err(), "length {length}");
         }
     }
 
     #[test]
     fn a_state_of_the_other_model_or_format_is_refused() {
-        let bytes = Snapshot::new(Model::Plant).to_bytes().unwrap();
-        let message = Snapshot::from_bytes(Model::Controller, &bytes).unwrap_err().to_string();
-        assert!(
-            message.contains(Model::Plant.token()) && message.contains(Model::Controller.token()),
-            "{message}"
-        );
+        let (plant, controller) = (plant(), Model::Controller.interface());
+        let bytes = Snapshot::new(&plant).to_bytes(&plant).unwrap();
+        let message = Snapshot::from_bytes(&controller, &bytes).unwrap_err().to_string();
+        assert!(message.contains(plant.token()) && message.contains(controller.token()), "{message}");
 
         let mut newer = bytes[..bytes.len() - CHECKSUM_LENGTH].to_vec();
         newer[MAGIC.len()] += 1;
         newer.extend(crc32fast::hash(&newer).to_le_bytes());
-        assert!(Snapshot::from_bytes(Model::Plant, &newer).unwrap_err().to_string().contains("format"));
+        assert!(Snapshot::from_bytes(&plant, &newer).unwrap_err().to_string().contains("format"));
     }
 
     #[test]
     fn a_state_that_contradicts_itself_is_refused() {
-        let never_started = Snapshot { state: State::StepMode, ..Snapshot::new(Model::Plant) };
-        assert!(Snapshot::from_bytes(Model::Plant, &never_started.to_bytes().unwrap()).is_err());
+        let plant = plant();
+        let never_started = Snapshot { state: State::StepMode, ..Snapshot::new(&plant) };
+        assert!(Snapshot::from_bytes(&plant, &never_started.to_bytes(&plant).unwrap()).is_err());
 
-        let mut not_finite = Snapshot::new(Model::Plant);
+        let mut not_finite = Snapshot::new(&plant);
         not_finite.values.put(1, f64::NAN);
-        assert!(Snapshot::from_bytes(Model::Plant, &not_finite.to_bytes().unwrap()).is_err());
+        assert!(Snapshot::from_bytes(&plant, &not_finite.to_bytes(&plant).unwrap()).is_err());
     }
 }

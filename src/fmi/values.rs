@@ -1,43 +1,45 @@
 //! The values of an instance: one `f64` a value reference, whatever the type.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::models::Interface;
 use super::variables::{Causality, Kind, Row};
 use crate::robot::{Coordinates, PerCable, Pose};
 
 /// All values of one instance, indexed by value reference. Gaps between rows are unused.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Values(Vec<f64>);
+pub struct Values {
+    cables: usize,
+    numbers: Vec<f64>,
+}
 
 impl Values {
-    /// The start values of a table; outputs are zero until they are calculated.
-    pub fn new(rows: &[&Row]) -> Self {
-        let length = rows.iter().map(|row| row.references().end).max().unwrap_or(0);
-        let mut values = Self(vec![0.0; length as usize]);
-        for row in rows {
-            for reference in row.references() {
-                values.put(reference, row.start_of(reference).unwrap_or(0.0));
-            }
-        }
-        values
+    /// Zero for each reference of a table of so many cables.
+    pub(super) fn zero(rows: &[&Row], cables: usize) -> Self {
+        let references = rows.iter().flat_map(|row| (0..row.count(cables)).map(|k| row.reference(k)));
+        let length = references.max().map_or(0, |last| last as usize + 1);
+        Self { cables, numbers: vec![0.0; length] }
     }
 
-    /// Whether this can be the values of a table: the right number of them, and finite where they were set.
-    pub fn fits(&self, rows: &[&Row]) -> bool {
-        let mut set =
-            rows.iter().filter(|row| row.causality != Causality::Output).flat_map(|row| row.references());
-        self.0.len() == Self::new(rows).0.len() && set.all(|reference| self.at(reference).is_finite())
+    /// Whether this can be the values of an interface: the right number of them, and finite where they were set.
+    pub fn fits(&self, interface: &Interface) -> bool {
+        let set = |causality: Causality| causality != Causality::Output;
+        (self.cables, self.numbers.len()) == (interface.cables(), interface.start().numbers.len())
+            && interface
+                .scalars()
+                .filter(|scalar| set(scalar.row.causality))
+                .all(|scalar| self.at(scalar.reference).is_finite())
     }
 
     /// The value behind a reference of the table.
     pub fn at(&self, reference: u32) -> f64 {
-        self.0[reference as usize]
+        self.numbers[reference as usize]
     }
 
     /// Replaces the value behind a reference of the table.
     pub fn put(&mut self, reference: u32, value: f64) {
-        self.0[reference as usize] = value;
+        self.numbers[reference as usize] = value;
     }
 
     /// A scalar row.
@@ -57,7 +59,7 @@ impl Values {
 
     /// A row of one value a cable.
     pub fn cables(&self, row: &Row) -> PerCable<f64> {
-        std::array::from_fn(|i| self.at(row.first + i as u32))
+        PerCable::from_fn(self.cables, |i| self.at(row.reference(i)))
     }
 
     /// A row with x, y, z.
@@ -70,10 +72,21 @@ impl Values {
         Pose(Coordinates::from_fn(|i, _| self.at(row.first + i as u32)))
     }
 
+    /// x, y, z of each cable.
+    pub fn cable_vectors(&self, row: &Row) -> PerCable<Vector3<f64>> {
+        PerCable::from_fn(self.cables, |i| Vector3::from_fn(|k, _| self.at(row.reference(3 * i + k))))
+    }
+
+    /// A symmetric tensor.
+    pub fn tensor(&self, row: &Row) -> Matrix3<f64> {
+        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| self.at(row.reference(k)));
+        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    }
+
     /// Replaces all scalars of a row.
     pub fn write(&mut self, row: &Row, values: impl IntoIterator<Item = f64>) {
-        for (reference, value) in row.references().zip(values) {
-            self.put(reference, value);
+        for (position, value) in (0..row.count(self.cables)).zip(values) {
+            self.put(row.reference(position), value);
         }
     }
 
@@ -81,7 +94,10 @@ impl Values {
     pub fn text(&self, row: &Row, reference: u32) -> String {
         let value = self.at(reference);
         match row.kind {
-            Kind::Enumeration(kind) => kind.items[value as usize - 1].0.to_owned(),
+            Kind::Enumeration(kind) => {
+                let item = kind.numbered().find(|(number, ..)| f64::from(*number) == value);
+                item.map_or_else(|| value.to_string(), |(_, name, _)| name.to_owned())
+            }
             Kind::Boolean => (value != 0.0).to_string(),
             Kind::Float64 | Kind::Int32 => value.to_string(),
         }

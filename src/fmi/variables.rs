@@ -1,12 +1,14 @@
 //! What a variable of an FMU is. One table of [`Row`]s per model (`models/`) is the only place where a name, a unit or
 //! a start value stands; value references, both XML files, the documentation and every check follow from it.
 
-/// One variable of the table. A shape other than [`Shape::Scalar`] stands for several scalars with consecutive value
-/// references: importers know scalars, so scalars are what both FMI versions show.
+/// One variable of the table. A shape other than [`Shape::Scalar`] stands for several scalars: importers know scalars, so scalars are what
+/// both FMI versions show. Their value references are consecutive, but for those of the seventh cable and beyond.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Value reference of the first scalar. Never changed once released, never used again for something else.
     pub first: u32,
+    /// Shape [`Shape::Cables`]: value reference for the seventh cable, which has places for ten cables behind it.
+    pub seventh: u32,
     /// Name as in the contract, without the suffixes of the shape.
     pub name: &'static str,
     /// How many scalars, and how they are called.
@@ -45,8 +47,12 @@ pub enum Shape {
     Pose,
     /// The rates of a pose, in m/s and rad/s.
     PoseRate,
-    /// `[1]` to `[6]`, one a cable.
+    /// `[1]`, `[2]` and so on, one a cable.
     Cables,
+    /// `[1].x`, `[1].y`, `[1].z`, `[2].x` and so on.
+    CableVectors,
+    /// `.xx .yy .zz .xy .xz .yz`: a symmetric tensor.
+    Tensor,
 }
 
 /// Type of a scalar. Every one of them is stored exactly in an `f64`.
@@ -69,7 +75,9 @@ pub struct Enumeration {
     pub name: &'static str,
     /// What is enumerated.
     pub description: &'static str,
-    /// Name and meaning; the first item has the number 1.
+    /// Number of the first item.
+    pub first: i32,
+    /// Name and meaning.
     pub items: &'static [(&'static str, &'static str)],
 }
 
@@ -199,6 +207,7 @@ pub const fn output(
 ) -> Row {
     Row {
         first,
+        seventh: 0,
         name,
         shape,
         kind: Kind::Float64,
@@ -215,28 +224,52 @@ pub const fn output(
 }
 
 impl Row {
-    /// Value references of the row's scalars.
-    pub fn references(&self) -> std::ops::Range<u32> {
-        self.first..self.first + self.shape.suffixes().len() as u32
-    }
-
-    /// Full name of the scalar with this value reference.
-    pub fn scalar_name(&self, reference: u32) -> String {
-        format!("{}{}", self.name, self.shape.suffixes()[(reference - self.first) as usize])
-    }
-
-    /// Start value of the scalar with this value reference; outputs have none.
-    pub fn start_of(&self, reference: u32) -> Option<f64> {
-        match self.start {
-            [one] => Some(*one),
-            each => each.get((reference - self.first) as usize).copied(),
+    /// How many scalars it stands for, with so many cables.
+    pub fn count(&self, cables: usize) -> usize {
+        match self.shape {
+            Shape::Scalar => 1,
+            Shape::Vector => 3,
+            Shape::Pose | Shape::PoseRate | Shape::Tensor => 6,
+            Shape::Cables => cables,
+            Shape::CableVectors => 3 * cables,
         }
     }
 
-    /// Unit of the scalar with this value reference.
-    pub fn unit_of(&self, reference: u32) -> Option<&'static Unit> {
-        let is_angle = reference - self.first >= 3;
-        match (self.shape, is_angle) {
+    /// Value reference of its scalar at `position`, counted from 0.
+    pub fn reference(&self, position: usize) -> u32 {
+        match self.shape {
+            Shape::Cables if position >= 6 => self.seventh + position as u32 - 6,
+            _ => self.first + position as u32,
+        }
+    }
+
+    /// Full name of the scalar at `position`.
+    pub fn scalar_name(&self, position: usize) -> String {
+        let components = match self.shape {
+            Shape::Scalar => return self.name.to_owned(),
+            Shape::Cables => return format!("{}[{}]", self.name, position + 1),
+            Shape::CableVectors => {
+                let axis = ["x", "y", "z"][position % 3];
+                return format!("{}[{}].{axis}", self.name, position / 3 + 1);
+            }
+            Shape::Vector => &["x", "y", "z"][..],
+            Shape::Pose | Shape::PoseRate => &["x", "y", "z", "roll", "pitch", "yaw"],
+            Shape::Tensor => &["xx", "yy", "zz", "xy", "xz", "yz"],
+        };
+        format!("{}.{}", self.name, components[position])
+    }
+
+    /// The start value of the table for the scalar at `position`; outputs have none.
+    pub fn start_of(&self, position: usize) -> Option<f64> {
+        match self.start {
+            [one] => Some(*one),
+            each => each.get(position).copied(),
+        }
+    }
+
+    /// Unit of the scalar at `position`.
+    pub fn unit_of(&self, position: usize) -> Option<&'static Unit> {
+        match (self.shape, position >= 3) {
             (Shape::Pose, false) => Some(&units::METRE),
             (Shape::Pose, true) => Some(&units::RADIAN),
             (Shape::PoseRate, false) => Some(&units::METRE_PER_SECOND),
@@ -255,15 +288,15 @@ impl Row {
     }
 }
 
-impl Shape {
-    /// What each scalar's name ends in.
-    pub fn suffixes(self) -> &'static [&'static str] {
-        match self {
-            Shape::Scalar => &[""],
-            Shape::Vector => &[".x", ".y", ".z"],
-            Shape::Pose | Shape::PoseRate => &[".x", ".y", ".z", ".roll", ".pitch", ".yaw"],
-            Shape::Cables => &["[1]", "[2]", "[3]", "[4]", "[5]", "[6]"],
-        }
+impl Enumeration {
+    /// Numbers, names and meanings.
+    pub fn numbered(&self) -> impl Iterator<Item = (i32, &'static str, &'static str)> {
+        (self.first..).zip(self.items).map(|(number, (name, meaning))| (number, *name, *meaning))
+    }
+
+    /// Whether an item has this number.
+    pub fn has(&self, number: f64) -> bool {
+        self.numbered().any(|(known, ..)| f64::from(known) == number)
     }
 }
 

@@ -14,6 +14,7 @@ use crate::fmi::bindings::fmi2::{
 use crate::fmi::error::FmiError;
 use crate::fmi::lifecycle::function;
 use crate::fmi::log::{Log, Sink};
+use crate::fmi::resources::path_of_uri;
 use crate::fmi::variables::Kind;
 
 #[unsafe(no_mangle)]
@@ -31,7 +32,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     instanceName: fmi2String,
     fmuType: fmi2Type,
     fmuGUID: fmi2String,
-    _fmuResourceLocation: fmi2String,
+    fmuResourceLocation: fmi2String,
     functions: *const fmi2CallbackFunctions,
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
@@ -45,7 +46,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     // SAFETY: the importer keeps the standard: functions and strings are NULL or valid.
     unsafe {
         let log = Log::new(sink(functions.as_ref(), instanceName), loggingOn != fmi2False as fmi2Boolean);
-        instantiate(const { function("fmi2Instantiate") }, log, asked_for, fmuGUID)
+        let resources = text(fmuResourceLocation).and_then(|uri| path_of_uri(&uri));
+        instantiate(const { function("fmi2Instantiate") }, log, asked_for, fmuGUID, resources)
     }
 }
 

@@ -1,8 +1,9 @@
 //! FMI 3.0: instances, their life, steps and saved states. Values are in `fmi3_values`.
 
 use std::ffi::c_char;
+use std::path::PathBuf;
 
-use super::{call, free, instantiate, message_for_c, place, set_debug_logging, states};
+use super::{call, free, instantiate, message_for_c, place, set_debug_logging, states, text};
 use crate::fmi::bindings::fmi3::{
     fmi3Boolean, fmi3Byte, fmi3ClockUpdateCallback, fmi3FMUState, fmi3Float64, fmi3Instance,
     fmi3InstanceEnvironment, fmi3IntermediateUpdateCallback, fmi3LockPreemptionCallback,
@@ -22,7 +23,7 @@ pub unsafe extern "C" fn fmi3GetVersion() -> *const c_char {
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _instanceName: fmi3String,
     instantiationToken: fmi3String,
-    _resourcePath: fmi3String,
+    resourcePath: fmi3String,
     _visible: fmi3Boolean,
     loggingOn: fmi3Boolean,
     eventModeUsed: fmi3Boolean,
@@ -42,7 +43,9 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let log = Log::new(sink(logMessage, instanceEnvironment), loggingOn);
     // SAFETY: the importer keeps the standard.
     unsafe {
-        instantiate(const { function("fmi3InstantiateCoSimulation") }, log, asked_for, instantiationToken)
+        let resources = text(resourcePath).map(PathBuf::from);
+        let function = const { function("fmi3InstantiateCoSimulation") };
+        instantiate(function, log, asked_for, instantiationToken, resources)
     }
 }
 
@@ -80,7 +83,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 fn co_simulation_only(name: &'static str, log: Log) -> fmi3Instance {
     let refused = Err(FmiError::Unsupported { function: name, why: "this FMU has Co-Simulation only" });
     // SAFETY: NULL is allowed as token.
-    unsafe { instantiate(function(name), log, refused, std::ptr::null()) }
+    unsafe { instantiate(function(name), log, refused, std::ptr::null(), None) }
 }
 
 /// Hands messages to the importer's logger.

@@ -19,18 +19,20 @@ mod states;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 use super::error::{FmiError, Status};
 use super::instance::Instance;
 use super::lifecycle::Function;
 use super::log::{Category, Log};
-use super::models::{MODELS, Model};
+use super::resources;
 use super::variables::Kind;
 
 /// What both versions return as status: an unsigned int with the numbers of [`Status`].
 type StatusCode = std::ffi::c_uint;
 
-/// Makes an instance of the model that has this token, or says why not and returns NULL.
+/// Makes an instance of the model that has this token, or says why not and returns NULL. `resources` is the path of the FMU's
+/// resources, where the rig of an FMU for another rig than the paper's is.
 ///
 /// # Safety
 /// `token` is NULL or a C string.
@@ -39,24 +41,21 @@ unsafe fn instantiate(
     log: Log,
     asked_for: Result<(), FmiError>,
     token: *const c_char,
+    resources: Option<PathBuf>,
 ) -> *mut c_void {
     let made = catch(function, || {
         asked_for?;
         // SAFETY: the caller's promise.
         let given = unsafe { text(token) }.unwrap_or_default();
-        Model::with_token(&given).ok_or_else(|| FmiError::Token { given, known: known_tokens() })
+        resources::interface(&given, resources.as_deref())
     });
     match made {
-        Ok(model) => Box::into_raw(Box::new(Instance::new(model, log))).cast(),
+        Ok(interface) => Box::into_raw(Box::new(Instance::new(interface, log))).cast(),
         Err(error) => {
             log.send(Status::Error, Category::Error, &error.to_string());
             std::ptr::null_mut()
         }
     }
-}
-
-fn known_tokens() -> String {
-    MODELS.map(|model| format!("{} of {}", model.token(), model.identifier())).join(" and ")
 }
 
 /// Frees an instance; NULL is ignored.

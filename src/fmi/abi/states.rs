@@ -73,8 +73,8 @@ pub unsafe fn serialized_size(
 ) -> StatusCode {
     // SAFETY: the caller's promise.
     unsafe {
-        call(instance, function, |_| {
-            place(size, "the pointer to the size")?.write(saved(state)?.to_bytes()?.len());
+        call(instance, function, |instance| {
+            place(size, "the pointer to the size")?.write(saved(state)?.to_bytes(instance.interface())?.len());
             Ok(())
         })
     }
@@ -93,8 +93,8 @@ pub unsafe fn serialize(
 ) -> StatusCode {
     // SAFETY: the caller's promise.
     unsafe {
-        call(instance, function, |_| {
-            let source = saved(state)?.to_bytes()?;
+        call(instance, function, |instance| {
+            let source = saved(state)?.to_bytes(instance.interface())?;
             if size < source.len() {
                 let wanted = format!("{}, as the size function says", source.len());
                 return Err(FmiError::Length { argument: BYTES, given: size, wanted });
@@ -123,7 +123,7 @@ pub unsafe fn deserialize(
     unsafe {
         call(instance, function, |instance| {
             let target = place(target, "the pointer to the FMU state")?;
-            let snapshot = Snapshot::from_bytes(instance.model(), slice((bytes, size), BYTES)?)?;
+            let snapshot = Snapshot::from_bytes(instance.interface(), slice((bytes, size), BYTES)?)?;
             target.write(Box::into_raw(Box::new(snapshot)).cast());
             Ok(())
         })

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 
-use crate::robot::{CABLES, RobotParameters, geometry::Geometry};
+use crate::robot::RigFile;
 
 /// A parallel view from the front and a little above: x to the right, z down, y towards the reader.
 fn project(point: &Vector3<f64>) -> (f64, f64) {
@@ -13,16 +13,16 @@ fn project(point: &Vector3<f64>) -> (f64, f64) {
 
 /// An SVG of the robot with Table I's dimensions, one metre below its base.
 pub fn robot() -> String {
-    let geometry = Geometry::new(&RobotParameters::default());
+    let cables = RigFile::default().rig.cables;
     let below = |point: &Vector3<f64>| point + Vector3::z();
     let mut svg = String::from(
         "<svg viewBox=\"90 40 400 470\" role=\"img\" aria-label=\"Base triangle above, platform triangle below, six cables \
          between them, the z axis points down\">\n",
     );
-    svg += &triangle("base", [0, 2, 4].map(|i| geometry.anchor[i]));
-    svg += &triangle("platform", [1, 3, 5].map(|i| below(&geometry.attachment[i])));
-    for i in 0..CABLES {
-        let (from, to) = (geometry.anchor[i], below(&geometry.attachment[i]));
+    svg += &triangle("base", [0, 2, 4].map(|i| cables[i].anchor));
+    svg += &triangle("platform", [1, 3, 5].map(|i| below(&cables[i].attachment)));
+    for i in 0..cables.len() {
+        let (from, to) = (cables[i].anchor, below(&cables[i].attachment));
         let (middle, n) = (from.lerp(&to, 0.4), i + 1);
         svg += &line("cable", &from, &to);
         svg += &label(&middle, (-4.0, 4.0), "number", &n.to_string());
@@ -37,8 +37,8 @@ pub fn robot() -> String {
         svg += &line("axis", &origin, &tip);
         svg += &label(&tip, offset, "text", name);
     }
-    svg += &label(&geometry.anchor[4], (60.0, -28.0), "text", "base, side 2a");
-    svg += &label(&below(&geometry.attachment[3]), (-40.0, 28.0), "text", "platform, side 2b");
+    svg += &label(&cables[4].anchor, (60.0, -28.0), "text", "base, side 2a");
+    svg += &label(&below(&cables[3].attachment), (-40.0, 28.0), "text", "platform, side 2b");
     svg + "</svg>"
 }
 

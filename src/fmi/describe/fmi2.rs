@@ -4,30 +4,30 @@ use std::io;
 
 use super::xml::{
     Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
-    kind_of, leaf, node, scalars, units,
+    kind_of, leaf, node, units,
 };
-use crate::fmi::models::Model;
-use crate::fmi::variables::{Causality, Kind, Row};
+use crate::fmi::models::{Interface, Scalar};
+use crate::fmi::variables::{Causality, Kind};
 
-/// The XML of a model.
-pub fn model_description(model: Model) -> String {
-    let mut root = vec![is("fmiVersion", "2.0"), is("guid", model.token())];
-    root.extend(about(model));
+/// The XML of a model for a rig.
+pub fn model_description(interface: &Interface) -> String {
+    let mut root = vec![is("fmiVersion", "2.0"), is("guid", interface.token())];
+    root.extend(about(interface));
     document(|xml| {
         node(xml, "fmiModelDescription", &root, |xml| {
-            capabilities(xml, model)?;
-            units(xml, model)?;
-            types(xml, model)?;
+            capabilities(xml, interface)?;
+            units(xml, interface)?;
+            types(xml, interface)?;
             categories_and_experiment(xml)?;
-            variables(xml, model)?;
-            structure(xml, model)
+            variables(xml, interface)?;
+            structure(xml, interface)
         })
     })
 }
 
-fn capabilities(xml: &mut Xml, model: Model) -> io::Result<()> {
+fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let attributes = [
-        is("modelIdentifier", model.identifier()),
+        is("modelIdentifier", interface.model().identifier()),
         is("needsExecutionTool", false),
         is("canHandleVariableCommunicationStepSize", true),
         is("canInterpolateInputs", false),
@@ -42,8 +42,8 @@ fn capabilities(xml: &mut Xml, model: Model) -> io::Result<()> {
     leaf(xml, "CoSimulation", &attributes)
 }
 
-fn types(xml: &mut Xml, model: Model) -> io::Result<()> {
-    let kinds = enumerations(model);
+fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let kinds = enumerations(interface);
     if kinds.is_empty() {
         return Ok(());
     }
@@ -57,21 +57,21 @@ fn types(xml: &mut Xml, model: Model) -> io::Result<()> {
 }
 
 /// FMI 2 leaves the independent variable out: it is optional there, and the FMI Library misses a start value on it.
-fn listed(model: Model) -> impl Iterator<Item = (&'static Row, u32)> {
-    scalars(model).filter(|(row, _)| row.causality != Causality::Independent)
+fn listed(interface: &Interface) -> impl Iterator<Item = Scalar> {
+    interface.scalars().filter(|scalar| scalar.row.causality != Causality::Independent)
 }
 
-fn variables(xml: &mut Xml, model: Model) -> io::Result<()> {
+fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
-        listed(model).try_for_each(|(row, reference)| {
-            let element = match row.kind {
+        listed(interface).try_for_each(|scalar| {
+            let element = match scalar.row.kind {
                 Kind::Float64 => "Real",
                 Kind::Int32 => "Integer",
                 Kind::Boolean => "Boolean",
                 Kind::Enumeration(_) => "Enumeration",
             };
-            node(xml, "ScalarVariable", &identity(row, reference), |xml| {
-                leaf(xml, element, &kind_of(row, reference))
+            node(xml, "ScalarVariable", &identity(&scalar), |xml| {
+                leaf(xml, element, &kind_of(interface, &scalar))
             })
         })
     })
@@ -79,18 +79,18 @@ fn variables(xml: &mut Xml, model: Model) -> io::Result<()> {
 
 /// FMI 2 counts variables from 1 in the order of the XML. Outputs change in a step only, so at a communication point
 /// they depend on nothing; at the start they depend on what the table says.
-fn structure(xml: &mut Xml, model: Model) -> io::Result<()> {
-    let index_of = |wanted| 1 + listed(model).take_while(|&(_, reference)| reference != wanted).count();
-    let outputs = || listed(model).filter(|(row, _)| row.causality == Causality::Output);
+fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let index_of = |wanted| 1 + listed(interface).take_while(|scalar| scalar.reference != wanted).count();
+    let outputs = || listed(interface).filter(|scalar| scalar.row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
         node(xml, "Outputs", &[], |xml| {
-            outputs().try_for_each(|(_, reference)| {
+            outputs().try_for_each(|Scalar { reference, .. }| {
                 leaf(xml, "Unknown", &[is("index", index_of(reference)), is("dependencies", "")])
             })
         })?;
         node(xml, "InitialUnknowns", &[], |xml| {
-            outputs().try_for_each(|(row, reference)| {
-                let dependencies = is("dependencies", dependencies(row, index_of));
+            outputs().try_for_each(|Scalar { row, reference, .. }| {
+                let dependencies = is("dependencies", dependencies(interface, row, index_of));
                 leaf(xml, "Unknown", &[is("index", index_of(reference)), dependencies])
             })
         })

@@ -4,23 +4,23 @@ use std::io;
 
 use super::xml::{
     Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
-    kind_of, leaf, node, scalars, units,
+    kind_of, leaf, node, units,
 };
-use crate::fmi::models::Model;
+use crate::fmi::models::{Interface, Scalar};
 use crate::fmi::variables::Causality;
 
-/// The XML of a model.
-pub fn model_description(model: Model) -> String {
-    let mut root = vec![is("fmiVersion", "3.0"), is("instantiationToken", model.token())];
-    root.extend(about(model));
+/// The XML of a model for a rig.
+pub fn model_description(interface: &Interface) -> String {
+    let mut root = vec![is("fmiVersion", "3.0"), is("instantiationToken", interface.token())];
+    root.extend(about(interface));
     document(|xml| {
         node(xml, "fmiModelDescription", &root, |xml| {
-            capabilities(xml, model)?;
-            units(xml, model)?;
-            types(xml, model)?;
+            capabilities(xml, interface)?;
+            units(xml, interface)?;
+            types(xml, interface)?;
             categories_and_experiment(xml)?;
-            variables(xml, model)?;
-            structure(xml, model)
+            variables(xml, interface)?;
+            structure(xml, interface)
         })
     })
 }
@@ -40,9 +40,9 @@ pub fn icon_place() -> String {
     })
 }
 
-fn capabilities(xml: &mut Xml, model: Model) -> io::Result<()> {
+fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let attributes = [
-        is("modelIdentifier", model.identifier()),
+        is("modelIdentifier", interface.model().identifier()),
         is("needsExecutionTool", false),
         is("canBeInstantiatedOnlyOncePerProcess", false),
         is("canGetAndSetFMUState", true),
@@ -60,8 +60,8 @@ fn capabilities(xml: &mut Xml, model: Model) -> io::Result<()> {
     leaf(xml, "CoSimulation", &attributes)
 }
 
-fn types(xml: &mut Xml, model: Model) -> io::Result<()> {
-    let kinds = enumerations(model);
+fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let kinds = enumerations(interface);
     if kinds.is_empty() {
         return Ok(());
     }
@@ -73,25 +73,25 @@ fn types(xml: &mut Xml, model: Model) -> io::Result<()> {
     })
 }
 
-fn variables(xml: &mut Xml, model: Model) -> io::Result<()> {
+fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
-        scalars(model).try_for_each(|(row, reference)| {
-            let attributes = [identity(row, reference), kind_of(row, reference)].concat();
-            leaf(xml, row.kind.name(), &attributes)
+        interface.scalars().try_for_each(|scalar| {
+            let attributes = [identity(&scalar), kind_of(interface, &scalar)].concat();
+            leaf(xml, scalar.row.kind.name(), &attributes)
         })
     })
 }
 
 /// Outputs change in a step only, so at a communication point they depend on nothing; at the start they depend on what
 /// the table says.
-fn structure(xml: &mut Xml, model: Model) -> io::Result<()> {
-    let outputs = || scalars(model).filter(|(row, _)| row.causality == Causality::Output);
+fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let outputs = || interface.scalars().filter(|scalar| scalar.row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
-        outputs().try_for_each(|(_, reference)| {
+        outputs().try_for_each(|Scalar { reference, .. }| {
             leaf(xml, "Output", &[is("valueReference", reference), is("dependencies", "")])
         })?;
-        outputs().try_for_each(|(row, reference)| {
-            let dependencies = is("dependencies", dependencies(row, |known| known as usize));
+        outputs().try_for_each(|Scalar { row, reference, .. }| {
+            let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
             leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
         })
     })

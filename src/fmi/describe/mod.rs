@@ -7,7 +7,7 @@ mod fmi3;
 mod page;
 mod xml;
 
-use super::models::{MODELS, Model};
+use super::models::{Interface, MODELS, Model};
 
 /// Version of the standard that an FMU follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,23 +38,23 @@ impl Version {
 }
 
 /// modelDescription.xml.
-pub fn model_description(model: Model, version: Version) -> String {
+pub fn model_description(interface: &Interface, version: Version) -> String {
     match version {
-        Version::Fmi2 => fmi2::model_description(model),
-        Version::Fmi3 => fmi3::model_description(model),
+        Version::Fmi2 => fmi2::model_description(interface),
+        Version::Fmi3 => fmi3::model_description(interface),
     }
 }
 
 /// documentation/index.html.
-pub fn documentation(model: Model) -> String {
-    page::render(model)
+pub fn documentation(interface: &Interface) -> String {
+    page::render(interface)
 }
 
 /// Everything in the FMU but the library: path in the zip file and content.
-pub fn shipped_files(model: Model, version: Version) -> Vec<(String, Vec<u8>)> {
+pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
-        ("modelDescription.xml", model_description(model, version).into_bytes()),
-        ("documentation/index.html", documentation(model).into_bytes()),
+        ("modelDescription.xml", model_description(interface, version).into_bytes()),
+        ("documentation/index.html", documentation(interface).into_bytes()),
         ("documentation/licenses/license.txt", LICENSE.into()),
         ("documentation/licenses/MIT.txt", MIT.into()),
         ("documentation/licenses/Apache-2.0.txt", APACHE.into()),
@@ -73,13 +73,13 @@ pub fn shipped_files(model: Model, version: Version) -> Vec<(String, Vec<u8>)> {
 /// What is rendered and checked in: path under `modelDescription/` and content. `cargo fmu describe` writes it.
 pub fn checked_in() -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
-    for model in MODELS {
-        let folder = model.identifier();
+    for interface in MODELS.map(Model::interface) {
+        let folder = interface.model().identifier();
         for version in VERSIONS {
             let path = format!("{folder}/{}/modelDescription.xml", version.name());
-            files.push((path, model_description(model, version).into_bytes()));
+            files.push((path, model_description(&interface, version).into_bytes()));
         }
-        files.push((format!("{folder}/index.html"), documentation(model).into_bytes()));
+        files.push((format!("{folder}/index.html"), documentation(&interface).into_bytes()));
     }
     files
 }
@@ -88,6 +88,7 @@ pub fn checked_in() -> Vec<(String, Vec<u8>)> {
 mod tests {
     use super::*;
     use crate::fmi::variables::Causality;
+    use crate::robot::RigFile;
 
     #[test]
     fn what_is_checked_in_is_what_the_tables_say() {
@@ -100,14 +101,15 @@ mod tests {
 
     #[test]
     fn both_versions_name_every_scalar_and_the_token() {
-        for model in MODELS {
+        let eight = RigFile::parse(include_str!("../../../rigs/eight.toml")).unwrap();
+        let of_eight = MODELS.map(|model| Interface::of_rig(model, &eight));
+        for interface in MODELS.map(Model::interface).into_iter().chain(of_eight) {
             for version in VERSIONS {
-                let text = model_description(model, version);
-                assert!(text.contains(model.token()));
-                for (row, reference) in xml::scalars(model) {
-                    let wanted =
-                        format!("name=\"{}\" valueReference=\"{reference}\"", row.scalar_name(reference));
-                    let left_out = version == Version::Fmi2 && row.causality == Causality::Independent;
+                let text = model_description(&interface, version);
+                assert!(text.contains(interface.token()));
+                for scalar in interface.scalars() {
+                    let wanted = format!("name=\"{}\" valueReference=\"{}\"", scalar.name(), scalar.reference);
+                    let left_out = version == Version::Fmi2 && scalar.row.causality == Causality::Independent;
                     assert_eq!(text.matches(&wanted).count(), usize::from(!left_out), "{wanted}");
                 }
             }

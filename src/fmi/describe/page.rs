@@ -4,20 +4,22 @@ use quick_xml::escape::escape;
 
 use super::{drawing, xml};
 use crate::fmi::log::CATEGORIES;
-use crate::fmi::models::Model;
+use crate::fmi::models::{Interface, Model, Scalar};
 use crate::fmi::variables::{Causality, Row};
+use crate::robot::Rig;
 
 const STYLE: &str = include_str!("page.css");
 
 /// The page of a model.
-pub fn render(model: Model) -> String {
+pub fn render(interface: &Interface) -> String {
+    let model = interface.model();
     let name = model.identifier();
     let parts = [
-        format!("<h1>{name}</h1>\n<p>{}.</p>", escape(model.description())),
-        frame(),
-        first_steps(model),
-        variables(model),
-        statuses(model),
+        format!("<h1>{name}</h1>\n<p>{}.</p>", escape(interface.description())),
+        interface.rig().map_or_else(frame, |rig| frame_of(interface, rig)),
+        first_steps(interface),
+        variables(interface),
+        statuses(interface),
         behaviour(model),
         logging(),
         limits(),
@@ -39,8 +41,30 @@ fn frame() -> String {
     )
 }
 
-fn first_steps(model: Model) -> String {
-    let script = match model {
+fn frame_of(interface: &Interface, rig: &Rig) -> String {
+    let down = match rig.gravity {
+        g if g.x == 0.0 && g.y == 0.0 && g.z > 0.0 => "<strong>z points down</strong>".to_owned(),
+        g if g.x == 0.0 && g.y == 0.0 && g.z < 0.0 => "<strong>z points up</strong>".to_owned(),
+        g => format!("gravity is ({}, {}, {}) m/s²", g.x, g.y, g.z),
+    };
+    let pulleys = match rig.cables.iter().any(|cable| cable.pulley.is_some()) {
+        true => " Cables that run over a swivelling pulley leave it at a moving point; their length includes the arc on it.",
+        false => "",
+    };
+    format!(
+        "<h2>Frame</h2>\n<p>Poses are those of the centre of mass in the frame of the rig's file: {down}. Units are SI, angles are \
+         in rad (shown in degrees by tools that know display units). The orientation is R = Rz(yaw) Ry(pitch) Rx(roll). The {} cables are \
+         numbered as in the file. Cables pull and never push.{pulleys}</p>",
+        interface.cables()
+    )
+}
+
+/// The script is about the paper's rig.
+fn first_steps(interface: &Interface) -> String {
+    if interface.rig().is_some() {
+        return String::new();
+    }
+    let script = match interface.model() {
         Model::Controller => include_str!("controller.py"),
         Model::Plant => include_str!("plant.py"),
     };
@@ -50,14 +74,14 @@ fn first_steps(model: Model) -> String {
     )
 }
 
-fn variables(model: Model) -> String {
+fn variables(interface: &Interface) -> String {
     [
         ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked. A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
         ("Inputs", Causality::Input, "Held during a step."),
         ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
     ]
     .map(|(title, causality, text)| {
-        let rows: String = model.rows_with(causality).map(table_row).collect();
+        let rows: String = interface.rows_with(causality).map(|row| table_row(interface, row)).collect();
         format!(
             "<h2>{title}</h2>\n<p>{text}</p>\n<div class=\"wide\"><table>\n<tr><th>Name</th><th>Type</th><th>Unit</th>\
              <th>Start</th><th>Range</th><th>Reference</th><th>Meaning</th></tr>\n{rows}</table></div>"
@@ -66,12 +90,13 @@ fn variables(model: Model) -> String {
     .join("\n")
 }
 
-fn table_row(row: &Row) -> String {
-    let references = row.references();
-    let span = match references.len() {
-        1 => row.first.to_string(),
-        _ => format!("{} to {}", row.first, references.end - 1),
-    };
+fn table_row(interface: &Interface, row: &'static Row) -> String {
+    let references: Vec<u32> = interface.scalars_of(row).map(|scalar| scalar.reference).collect();
+    let runs = references.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+        [one] => one.to_string(),
+        _ => format!("{} to {}", run[0], run[run.len() - 1]),
+    });
+    let span = runs.collect::<Vec<_>>().join(", ");
     let range = match (row.min, row.max) {
         (Some(min), Some(max)) => format!("{min} to {max}"),
         (Some(min), None) => format!("from {min}"),
@@ -79,40 +104,46 @@ fn table_row(row: &Row) -> String {
         (None, None) => String::new(),
     };
     let name = escape(row.name);
-    let suffixes = row.shape.suffixes().join(" ");
+    let suffix = |scalar: Scalar| scalar.name()[row.name.len()..].to_owned();
+    let suffixes = interface.scalars_of(row).map(suffix).collect::<Vec<_>>().join(" ");
     format!(
         "<tr><td><code>{name}</code> <small>{suffixes}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{range}</td>\
          <td>{span}</td><td>{}</td></tr>\n",
         row.kind.name(),
-        units(row),
-        start(row),
+        units(interface, row),
+        start(interface, row),
         escape(row.description)
     )
 }
 
-fn units(row: &Row) -> String {
+fn units(interface: &Interface, row: &'static Row) -> String {
     let mut names: Vec<&str> =
-        row.references().filter_map(|i| row.unit_of(i)).map(|unit| unit.name).collect();
+        interface.scalars_of(row).filter_map(|s| row.unit_of(s.position)).map(|unit| unit.name).collect();
     names.dedup();
     names.join(", ")
 }
 
-fn start(row: &Row) -> String {
-    let rounded = row.start.iter().map(|value| (value * 1e4).round() / 1e4);
+/// Start values that are all the same are shown once.
+fn start(interface: &Interface, row: &'static Row) -> String {
+    let mut values: Vec<f64> = interface.scalars_of(row).filter_map(|s| interface.start_of(&s)).collect();
+    if values.iter().all(|value| *value == values[0]) {
+        values.truncate(1);
+    }
+    let rounded = values.into_iter().map(|value| (value * 1e4).round() / 1e4);
     rounded.map(|value| xml::number(row, value)).collect::<Vec<_>>().join(", ")
 }
 
-fn statuses(model: Model) -> String {
+fn statuses(interface: &Interface) -> String {
     let list = |kind: &&crate::fmi::variables::Enumeration| {
-        let items: String = (1..)
-            .zip(kind.items)
-            .map(|(value, (name, text)): (i32, _)| {
-                format!("<tr><td>{value}</td><td><code>{name}</code></td><td>{}</td></tr>\n", escape(*text))
+        let items: String = kind
+            .numbered()
+            .map(|(value, name, text)| {
+                format!("<tr><td>{value}</td><td><code>{name}</code></td><td>{}</td></tr>\n", escape(text))
             })
             .collect();
         format!("<h3>{}</h3>\n<p>{}.</p>\n<table>\n{items}</table>", kind.name, escape(kind.description))
     };
-    let kinds: Vec<String> = xml::enumerations(model).iter().map(list).collect();
+    let kinds: Vec<String> = xml::enumerations(interface).iter().map(list).collect();
     if kinds.is_empty() { String::new() } else { format!("<h2>Enumerations</h2>\n{}", kinds.join("\n")) }
 }
 

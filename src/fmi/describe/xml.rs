@@ -6,7 +6,7 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 
 use crate::fmi::log::CATEGORIES;
-use crate::fmi::models::Model;
+use crate::fmi::models::{Interface, Scalar};
 use crate::fmi::variables::{Enumeration, Kind, Row, Unit};
 
 /// Where elements go.
@@ -57,10 +57,10 @@ fn present<'a>(attributes: Attributes<'a>) -> impl Iterator<Item = (&'a str, &'a
 }
 
 /// What the root element says of the model in both versions.
-pub fn about(model: Model) -> Vec<(&'static str, Option<String>)> {
+pub fn about(interface: &Interface) -> Vec<(&'static str, Option<String>)> {
     vec![
-        is("modelName", model.identifier()),
-        is("description", model.description()),
+        is("modelName", interface.model().identifier()),
+        is("description", interface.description()),
         is("version", env!("CARGO_PKG_VERSION")),
         is("license", env!("CARGO_PKG_LICENSE")),
         is("generationTool", concat!("cable-robot ", env!("CARGO_PKG_VERSION"))),
@@ -68,15 +68,10 @@ pub fn about(model: Model) -> Vec<(&'static str, Option<String>)> {
     ]
 }
 
-/// Every scalar of the table: its row and its value reference.
-pub fn scalars(model: Model) -> impl Iterator<Item = (&'static Row, u32)> {
-    model.rows().iter().flat_map(|row| row.references().map(|reference| (*row, reference)))
-}
-
 /// The units in use.
-pub fn units(xml: &mut Xml, model: Model) -> io::Result<()> {
+pub fn units(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let mut units: Vec<&Unit> = Vec::new();
-    for unit in scalars(model).filter_map(|(row, reference)| row.unit_of(reference)) {
+    for unit in interface.scalars().filter_map(|scalar| scalar.row.unit_of(scalar.position)) {
         if !units.contains(&unit) {
             units.push(unit);
         }
@@ -95,14 +90,14 @@ pub fn units(xml: &mut Xml, model: Model) -> io::Result<()> {
 }
 
 /// The enumeration types in use.
-pub fn enumerations(model: Model) -> Vec<&'static Enumeration> {
-    let kinds = model.rows().iter().map(|row| row.kind);
+pub fn enumerations(interface: &Interface) -> Vec<&'static Enumeration> {
+    let kinds = interface.rows().iter().map(|row| row.kind);
     kinds.filter_map(|kind| if let Kind::Enumeration(kind) = kind { Some(kind) } else { None }).collect()
 }
 
 /// The items of an enumeration type.
 pub fn items(xml: &mut Xml, kind: &Enumeration) -> io::Result<()> {
-    (1..).zip(kind.items).try_for_each(|(value, (name, description)): (i32, _)| {
+    kind.numbered().try_for_each(|(value, name, description)| {
         leaf(xml, "Item", &[is("name", name), is("value", value), is("description", description)])
     })
 }
@@ -123,10 +118,11 @@ pub fn categories_and_experiment(xml: &mut Xml) -> io::Result<()> {
 }
 
 /// Name, reference, description, causality, variability and initial of a scalar.
-pub fn identity(row: &'static Row, reference: u32) -> Vec<(&'static str, Option<String>)> {
+pub fn identity(scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
+    let row = scalar.row;
     vec![
-        is("name", row.scalar_name(reference)),
-        is("valueReference", reference),
+        is("name", scalar.name()),
+        is("valueReference", scalar.reference),
         is("description", row.description),
         is("causality", row.causality.name()),
         is("variability", row.variability.name()),
@@ -135,8 +131,9 @@ pub fn identity(row: &'static Row, reference: u32) -> Vec<(&'static str, Option<
 }
 
 /// Type, unit, range and start of a scalar.
-pub fn kind_of(row: &'static Row, reference: u32) -> Vec<(&'static str, Option<String>)> {
-    let unit = row.unit_of(reference);
+pub fn kind_of(interface: &Interface, scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
+    let row = scalar.row;
+    let unit = row.unit_of(scalar.position);
     let declared_type = match row.kind {
         Kind::Enumeration(kind) => Some(kind.name.to_owned()),
         _ => None,
@@ -148,7 +145,7 @@ pub fn kind_of(row: &'static Row, reference: u32) -> Vec<(&'static str, Option<S
         ("min", row.min.map(|min| min.to_string())),
         ("max", row.max.map(|max| max.to_string())),
         ("nominal", row.nominal.map(|nominal| nominal.to_string())),
-        ("start", row.start_of(reference).map(|start| number(row, start))),
+        ("start", interface.start_of(scalar).map(|start| number(row, start))),
     ]
 }
 
@@ -156,14 +153,19 @@ pub fn kind_of(row: &'static Row, reference: u32) -> Vec<(&'static str, Option<S
 pub fn number(row: &Row, value: f64) -> String {
     match row.kind {
         Kind::Boolean => (value != 0.0).to_string(),
+        _ if value.abs() >= 1e15 => format!("{value:e}"),
         _ => value.to_string(),
     }
 }
 
 /// The scalars that an output depends on at the start, as `number_of` counts them, in ascending order.
-pub fn dependencies(row: &Row, number_of: impl Fn(u32) -> usize) -> String {
-    let mut numbers: Vec<usize> =
-        row.depends_on.iter().flat_map(|known| known.references()).map(number_of).collect();
+pub fn dependencies(
+    interface: &Interface,
+    row: &'static Row,
+    number_of: impl Fn(u32) -> usize,
+) -> String {
+    let known = interface.dependencies(row).flat_map(|known| interface.scalars_of(known));
+    let mut numbers: Vec<usize> = known.map(|scalar| number_of(scalar.reference)).collect();
     numbers.sort_unstable();
     numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }

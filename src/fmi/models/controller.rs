@@ -1,28 +1,38 @@
 //! The controller's variables, and the way from values to a [`Controller`] and back.
 
-use super::robot::{A, B, G, I1, I2, I3, M, REST_LENGTH, REST_TENSION, TIME, parameters, write_robot};
+use super::Interface;
+use super::robot::{
+    A, ANCHOR, ATTACHMENT, B, CABLE_MAX, CABLE_MIN, G, GRAVITY, I1, I2, I3, INERTIA, M, MASS, REST_LENGTH,
+    REST_TENSION, TIME, parameters, rig_with_limits, write_limits, write_rig, write_robot,
+};
 use crate::fmi::values::Values;
-use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, SECOND};
+use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, RADIAN, SECOND};
 use crate::fmi::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
+use crate::control::static_tensions;
 use crate::plan::{
     Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
-use crate::robot::ParameterError;
+use crate::robot::{ParameterError, Pose, Rig, Shape as PaperShape, TensionLimits};
 
 const PLANNER_TYPE: Enumeration = Enumeration {
     name: "Planner",
     description: "The reachable domain that the planner uses",
-    items: &[
-        ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest"),
-        (
-            "Exact",
-            "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
-        ),
-    ],
+    first: 1,
+    items: &[BOUNDED, EXACT],
 };
+
+/// The planners of a rig that is not the paper's.
+const GENERAL_PLANNER_TYPE: Enumeration = Enumeration { first: 2, items: &[EXACT], ..PLANNER_TYPE };
+
+const BOUNDED: (&str, &str) = ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest");
+const EXACT: (&str, &str) = (
+    "Exact",
+    "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
+);
 const POSE_SOURCE_TYPE: Enumeration = Enumeration {
     name: "PoseSource",
     description: "Where the measured pose comes from",
+    first: 1,
     items: &[
         ("EncoderPose", "The input encoderPose"),
         ("CableLengths", "Forward kinematics of the input cableLength"),
@@ -31,6 +41,7 @@ const POSE_SOURCE_TYPE: Enumeration = Enumeration {
 const STATUS_TYPE: Enumeration = Enumeration {
     name: "Status",
     description: "What the controller is doing",
+    first: 1,
     items: &[
         ("Disabled", "enable is false: every motor gets minTension"),
         ("Holding", "At rest short of the goal, waiting for the planner's next decision"),
@@ -86,6 +97,8 @@ const PLANNER: Row = setting(
     &[1.0],
     "Which reachable domain the planner uses",
 );
+const GENERAL_PLANNER: Row =
+    Row { kind: Kind::Enumeration(&GENERAL_PLANNER_TYPE), start: &[2.0], ..PLANNER };
 const POSE_SOURCE: Row = setting(
     15,
     "poseSource",
@@ -96,6 +109,26 @@ const POSE_SOURCE: Row = setting(
 const FORCE_LOOP: Row =
     setting(16, "forceLoop", Kind::Boolean, &[0.0], "Whether the load cells correct the motors, Section VII");
 
+const POSITION_TOLERANCE: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        17,
+        "positionTolerance",
+        &METRE,
+        &[0.0],
+        "Distance (and speed in m/s) up to which the robot is at rest at a pose; 0 follows the rig's size, 2 mm for the paper's, 10 mm at most",
+    )
+};
+const ANGLE_TOLERANCE: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        18,
+        "angleTolerance",
+        &RADIAN,
+        &[0.0],
+        "The same for each angle (and its rate in rad/s); 0 is 0.01 rad",
+    )
+};
 const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -104,15 +137,19 @@ const ENCODER_POSE: Row = input(
     &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
     "Measured pose of the platform",
 );
-const CABLE_LENGTH: Row = input(
-    106,
-    "cableLength",
-    Shape::Cables,
-    Some(&METRE),
-    &[REST_LENGTH],
-    "Measured cable length, used when poseSource = CableLengths",
-);
+const CABLE_LENGTH: Row = Row {
+    seventh: 500,
+    ..input(
+        106,
+        "cableLength",
+        Shape::Cables,
+        Some(&METRE),
+        &[REST_LENGTH],
+        "Measured cable length, used when poseSource = CableLengths",
+    )
+};
 const MEASURED_TENSION: Row = Row {
+    seventh: 510,
     nominal: Some(10.0),
     ..input(
         112,
@@ -141,15 +178,32 @@ const ENABLE: Row = Row {
 };
 
 /// What the measured pose follows from.
-const MEASUREMENT: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH];
+const MEASUREMENT: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH];
 /// What mode and set point follow from: the controller starts where the robot is.
-const MODE: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
-const MODE_AND_GOAL: &[&Row] = &[&A, &B, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &GOAL_POSE, &ENABLE];
+const MODE: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
+const MODE_AND_GOAL: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &GOAL_POSE, &ENABLE];
 /// What the tensions follow from: at rest at the set point the law (4) holds the weight, whatever its gains.
-const WEIGHT: &[&Row] =
-    &[&A, &B, &M, &G, &MIN_TENSION, &MAX_TENSION, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
+const WEIGHT: &[&Row] = &[
+    &A,
+    &B,
+    &M,
+    &G,
+    &MASS,
+    &GRAVITY,
+    &ANCHOR,
+    &ATTACHMENT,
+    &CABLE_MIN,
+    &CABLE_MAX,
+    &MIN_TENSION,
+    &MAX_TENSION,
+    &POSE_SOURCE,
+    &ENCODER_POSE,
+    &CABLE_LENGTH,
+    &ENABLE,
+];
 
 const MOTOR_TENSION: Row = Row {
+    seventh: 520,
     nominal: Some(10.0),
     ..output(
         200,
@@ -221,7 +275,7 @@ const STATUS: Row = Row {
     ..output(228, "status", Shape::Scalar, None, MODE_AND_GOAL, "What the controller is doing")
 };
 
-/// The table, in ascending order of value references.
+/// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
     &TIME,
     &A,
@@ -240,6 +294,8 @@ pub const ROWS: &[&Row] = &[
     &PLANNER,
     &POSE_SOURCE,
     &FORCE_LOOP,
+    &POSITION_TOLERANCE,
+    &ANGLE_TOLERANCE,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
@@ -257,21 +313,39 @@ pub const ROWS: &[&Row] = &[
     &GOAL_DISTANCE,
 ];
 
-/// Starts a controller with the parameters and inputs in `values`.
-pub fn start(values: &Values, time: f64) -> Result<Controller, ParameterError> {
-    Controller::new(controller_parameters(values), time, &inputs(values))
+/// The table of another rig.
+pub fn rows_of(rig: &Rig) -> Vec<&'static Row> {
+    let planner = if PaperShape::of(rig).is_ok() { &PLANNER } else { &GENERAL_PLANNER };
+    let of_paper = [&A, &B, &M, &I1, &I2, &I3, &G, &MIN_TENSION, &MAX_TENSION, &PLANNER].map(|row| row.name);
+    let mut rows = vec![&TIME, &MASS, &INERTIA, &GRAVITY, &ANCHOR, &ATTACHMENT, &CABLE_MIN, &CABLE_MAX, planner];
+    rows.extend(ROWS.iter().skip(1).filter(|row| !of_paper.contains(&row.name)));
+    rows
 }
 
-/// Robot, gains, planner and limits in `values`.
-pub fn controller_parameters(values: &Values) -> ControllerParameters {
+/// Starts a controller with the parameters and inputs in `values`.
+pub fn start(interface: &Interface, values: &Values, time: f64) -> Result<Controller, ParameterError> {
+    if interface.rig().is_none() {
+        parameters(values).validate()?;
+    }
+    Controller::new(controller_parameters(interface, values), time, &inputs(values))
+}
+
+/// Rig, gains, planner and limits in `values`.
+pub fn controller_parameters(interface: &Interface, values: &Values) -> ControllerParameters {
+    let rig = match interface.rig() {
+        Some(rig) => rig_with_limits(values, rig),
+        None => {
+            // -0 is 0
+            let limits = TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) };
+            Rig::paper(&parameters(values), limits)
+        }
+    };
     ControllerParameters {
-        robot: parameters(values),
+        rig,
         lambda: values.scalar(&LAMBDA),
         eta: values.scalar(&ETA),
         planner_period: values.scalar(&PLANNER_PERIOD),
         bisection_steps: values.integer(&BISECTION_STEPS),
-        min_tension: values.scalar(&MIN_TENSION) + 0.0, // -0 is 0
-        max_tension: values.scalar(&MAX_TENSION),
         planner: if values.integer(&PLANNER) == 2 { PlannerKind::Exact } else { PlannerKind::Bounded },
         pose_source: if values.integer(&POSE_SOURCE) == 2 {
             PoseSource::CableLengths
@@ -279,6 +353,8 @@ pub fn controller_parameters(values: &Values) -> ControllerParameters {
             PoseSource::EncoderPose
         },
         force_loop: values.boolean(&FORCE_LOOP),
+        position_tolerance: values.scalar(&POSITION_TOLERANCE),
+        angle_tolerance: values.scalar(&ANGLE_TOLERANCE),
     }
 }
 
@@ -307,19 +383,47 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
 }
 
-/// Copies parameters into `values`.
-pub fn write_parameters(parameters: &ControllerParameters, values: &mut Values) {
-    write_robot(&parameters.robot, values);
+/// Copies the settings into `values`, but for the rig.
+fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&LAMBDA, [parameters.lambda]);
     values.write(&ETA, [parameters.eta]);
     values.write(&PLANNER_PERIOD, [parameters.planner_period]);
     values.write(&BISECTION_STEPS, [parameters.bisection_steps.into()]);
-    values.write(&MIN_TENSION, [parameters.min_tension]);
-    values.write(&MAX_TENSION, [parameters.max_tension]);
     values.write(&PLANNER, [f64::from(parameters.planner as i32)]);
     let cable_lengths = parameters.pose_source == PoseSource::CableLengths;
     values.write(&POSE_SOURCE, [if cable_lengths { 2.0 } else { 1.0 }]);
     values.write(&FORCE_LOOP, [parameters.force_loop.into()]);
+    values.write(&POSITION_TOLERANCE, [parameters.position_tolerance]);
+    values.write(&ANGLE_TOLERANCE, [parameters.angle_tolerance]);
+}
+
+/// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.
+pub fn write_parameters(interface: &Interface, parameters: &ControllerParameters, values: &mut Values) {
+    write_settings(parameters, values);
+    match (interface.rig(), PaperShape::of(&parameters.rig)) {
+        (None, Ok(shape)) => {
+            write_robot(&shape.robot, values);
+            let limits = parameters.rig.common_limits();
+            values.write(&MIN_TENSION, [limits.min]);
+            values.write(&MAX_TENSION, [limits.max]);
+        }
+        _ => {
+            write_rig(&parameters.rig, values);
+            write_limits(&parameters.rig, values);
+        }
+    }
+}
+
+/// The start values of a rig's table: at home, at rest.
+pub fn write_start(parameters: &ControllerParameters, home: &Pose, values: &mut Values) {
+    write_settings(parameters, values);
+    write_rig(&parameters.rig, values);
+    write_limits(&parameters.rig, values);
+    values.write(&ENCODER_POSE, home.0.iter().copied());
+    values.write(&GOAL_POSE, home.0.iter().copied());
+    values.write(&CABLE_LENGTH, parameters.rig.cables_at(home).length);
+    let tension = static_tensions(&parameters.rig, home, 0.0);
+    values.write(&MEASURED_TENSION, tension.unwrap_or_else(|| parameters.rig.cables.map(|_| 0.0)));
 }
 
 /// Copies inputs into `values`.
@@ -351,12 +455,14 @@ pub fn outputs(values: &Values) -> ControllerOutputs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::Pose;
+    use crate::fmi::Model;
+    use crate::robot::RobotParameters;
 
     #[test]
     fn the_start_values_are_the_defaults_of_the_domain() {
-        let values = Values::new(ROWS);
-        assert_eq!(controller_parameters(&values), ControllerParameters::default());
+        let interface = Model::Controller.interface();
+        let values = interface.start().clone();
+        assert_eq!(controller_parameters(&interface, &values), ControllerParameters::default());
         assert_eq!(inputs(&values).encoder_pose, Pose::default());
         assert_eq!(inputs(&values).goal_pose, Pose::default());
         assert!(inputs(&values).enable);
@@ -364,16 +470,19 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back() {
-        let mut values = Values::new(ROWS);
-        for (k, reference) in ROWS.iter().flat_map(|row| row.references()).enumerate() {
-            values.put(reference, k as f64);
+        let interface = Model::Controller.interface();
+        let mut values = interface.start().clone();
+        for (k, scalar) in interface.scalars().enumerate() {
+            values.put(scalar.reference, k as f64);
         }
+        // Numbers that the paper's robot is recognised by.
+        write_robot(&RobotParameters { a: 0.7, b: 0.2, ..RobotParameters::default() }, &mut values);
         let flags = [(&FORCE_LOOP, 1.0), (&ENABLE, 0.0), (&STEADY, 1.0), (&AT_GOAL, 1.0), (&STATUS, 5.0)];
         let numbers = [(&PLANNER, 2.0), (&POSE_SOURCE, 2.0)];
         flags.iter().chain(&numbers).for_each(|(row, value)| values.put(row.first, *value));
-        let mut copy = Values::new(ROWS);
+        let mut copy = interface.start().clone();
         copy.put(TIME.first, values.at(TIME.first));
-        write_parameters(&controller_parameters(&values), &mut copy);
+        write_parameters(&interface, &controller_parameters(&interface, &values), &mut copy);
         write_inputs(&inputs(&values), &mut copy);
         write(&outputs(&values), &mut copy);
         assert_eq!(copy, values);

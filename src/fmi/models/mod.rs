@@ -1,19 +1,18 @@
 //! The two models of the library: which variables they have, and how values become a running controller or plant.
 
 pub mod controller;
+mod interface;
 pub mod plant;
 mod robot;
 
-use std::sync::LazyLock;
-
 use serde::{Deserialize, Serialize};
-use uuid::Uuid;
 
 use super::error::FmiError;
 use super::values::Values;
-use super::variables::{Causality, Row};
 use crate::plan::controller::Controller;
 use crate::sim::plant::Plant;
+
+pub use interface::{Interface, Scalar};
 
 /// Which of the two models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,80 +45,9 @@ impl Model {
         }
     }
 
-    /// One sentence for the XML.
-    pub fn description(self) -> &'static str {
-        match self {
-            Model::Controller => {
-                "Controller and planner of a six-cable suspended robot: set points from which no cable goes slack"
-            }
-            Model::Plant => {
-                "A rigid platform on six cables that pull and never push, with a rig's imperfections"
-            }
-        }
-    }
-
-    /// The variable table, in ascending order of value references.
-    pub fn rows(self) -> &'static [&'static Row] {
-        match self {
-            Model::Controller => controller::ROWS,
-            Model::Plant => plant::ROWS,
-        }
-    }
-
-    /// The row that a value reference belongs to.
-    pub fn row(self, reference: u32) -> Option<&'static Row> {
-        let rows = self.rows();
-        let following = rows.partition_point(|row| row.first <= reference);
-        let row = rows[following.checked_sub(1)?];
-        row.references().contains(&reference).then_some(row)
-    }
-
-    /// The rows with this causality.
-    pub fn rows_with(self, causality: Causality) -> impl Iterator<Item = &'static Row> {
-        self.rows().iter().copied().filter(move |row| row.causality == causality)
-    }
-
-    /// GUID (FMI 2) and instantiation token (FMI 3): derived from the variable table, so that an XML and a library
-    /// that do not belong together are told apart.
-    pub fn token(self) -> &'static str {
-        static TOKENS: LazyLock<[String; 2]> = LazyLock::new(|| {
-            MODELS.map(|model| {
-                let table =
-                    format!("{} {} {:?}", model.identifier(), env!("CARGO_PKG_VERSION"), model.rows());
-                Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string()
-            })
-        });
-        &TOKENS[self as usize]
-    }
-
-    /// The model that has this token.
-    pub fn with_token(token: &str) -> Option<Self> {
-        MODELS.into_iter().find(|model| model.token() == token)
-    }
-
-    /// Starts the model with the parameters and inputs in `values`, and writes its first outputs there.
-    ///
-    /// # Errors
-    /// [`FmiError::Parameter`] naming the first parameter that makes no sense.
-    pub fn start(self, values: &mut Values, time: f64) -> Result<Running, FmiError> {
-        let running = match self {
-            Model::Controller => Running::Controller(controller::start(values, time)?),
-            Model::Plant => Running::Plant(plant::start(values)?),
-        };
-        running.write_outputs(values);
-        Ok(running)
-    }
-
-    /// What is allowed and yet worth a word.
-    pub fn warning(self, values: &Values) -> Option<String> {
-        let robot = robot::parameters(values);
-        (!robot.inertia_is_physical()).then(|| {
-            format!(
-                "I1 = {}, I2 = {}, I3 = {} kg.m2 cannot belong to a rigid body: the largest exceeds the sum of the other \
-                 two. Table I of the paper is such a set; the equations accept it.",
-                robot.i1, robot.i2, robot.i3
-            )
-        })
+    /// The model with the paper's rig.
+    pub fn interface(self) -> Interface {
+        Interface::of_paper(self)
     }
 }
 
@@ -158,46 +86,65 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::fmi::variables::Kind;
+    use crate::fmi::variables::{Causality, Kind, Row};
+    use crate::robot::RigFile;
+
+    /// Of the paper's rig and of one with eight cables.
+    fn interfaces() -> Vec<Interface> {
+        let eight = RigFile::parse(include_str!("../../../rigs/eight.toml")).unwrap();
+        let of_eight = MODELS.map(|model| Interface::of_rig(model, &eight));
+        MODELS.map(Model::interface).into_iter().chain(of_eight).collect()
+    }
 
     #[test]
-    fn value_references_ascend_without_overlap() {
-        for model in MODELS {
-            for pair in model.rows().windows(2) {
-                assert!(pair[0].references().end <= pair[1].first, "{} meets {}", pair[0].name, pair[1].name);
+    fn no_value_reference_is_used_twice() {
+        for interface in interfaces() {
+            let mut seen = BTreeSet::new();
+            for scalar in interface.scalars() {
+                assert!(seen.insert(scalar.reference), "{}", scalar.name());
             }
         }
     }
 
     #[test]
     fn every_reference_finds_its_row_and_no_other_does() {
-        for model in MODELS {
-            let known: Vec<u32> = model.rows().iter().flat_map(|row| row.references()).collect();
-            for reference in (0..400).chain([u32::MAX]) {
-                let found = model.row(reference).is_some_and(|row| row.references().contains(&reference));
-                assert_eq!(found, known.contains(&reference), "{reference}");
+        for interface in interfaces() {
+            let known: BTreeSet<u32> = interface.scalars().map(|scalar| scalar.reference).collect();
+            for reference in (0..700).chain([u32::MAX]) {
+                let found = interface.scalar(reference).map(|scalar| scalar.reference);
+                assert_eq!(found, known.contains(&reference).then_some(reference), "{reference}");
             }
         }
     }
 
     #[test]
     fn start_values_exist_where_the_standard_wants_them() {
-        for row in MODELS.iter().flat_map(|model| model.rows()) {
-            let wanted = matches!(row.causality, Causality::Parameter | Causality::Input);
-            let each = row.references().all(|reference| row.start_of(reference).is_some());
-            assert_eq!(each, wanted, "{}", row.name);
+        for interface in interfaces() {
+            for scalar in interface.scalars() {
+                let causality = scalar.row.causality;
+                let wanted = matches!(causality, Causality::Parameter | Causality::Input);
+                assert_eq!(interface.start_of(&scalar).is_some(), wanted, "{}", scalar.name());
+            }
         }
+    }
+
+    #[test]
+    fn the_values_of_a_rig_are_the_rig() {
+        let eight = RigFile::parse(include_str!("../../../rigs/eight.toml")).unwrap();
+        let interface = Interface::of_rig(Model::Controller, &eight);
+        let parameters = controller::controller_parameters(&interface, interface.start());
+        assert_eq!((parameters.rig, parameters.lambda), (eight.rig, eight.lambda));
     }
 
     /// What the domain refuses and what the table says are two statements of one fact.
     #[test]
     fn parameters_beyond_their_range_do_not_start() {
-        for model in MODELS {
-            for row in model.rows_with(Causality::Parameter) {
+        for interface in MODELS.map(Model::interface) {
+            for row in interface.rows_with(Causality::Parameter) {
                 for bad in row.min.map(|min| min - 1.0).into_iter().chain(row.max.map(|max| max + 1.0)) {
-                    let mut values = Values::new(model.rows());
+                    let mut values = interface.start().clone();
                     values.put(row.first, bad);
-                    let message = model.start(&mut values, 0.0).unwrap_err().to_string();
+                    let message = interface.begin(&mut values, 0.0).unwrap_err().to_string();
                     assert!(message.contains(&format!("{} = {bad}", row.name)), "{message}");
                 }
             }
@@ -205,8 +152,8 @@ mod tests {
     }
 
     /// Start values from which every dependency shows: the ordinary start, the other settings, bad measurements.
-    fn points(model: Model) -> Vec<Values> {
-        let start = Values::new(model.rows());
+    fn points(interface: &Interface) -> Vec<Values> {
+        let start = interface.start();
         const LOW: [(&str, f64); 8] = [
             ("poseSource", 2.0),
             ("encoderPose.z", 0.15),
@@ -217,7 +164,7 @@ mod tests {
             ("cableLength[5]", 0.47),
             ("cableLength[6]", 0.47),
         ];
-        let settings: &[&[(&str, f64)]] = match model {
+        let settings: &[&[(&str, f64)]] = match interface.model() {
             Model::Controller => &[
                 &[],
                 &[("enable", 0.0)],
@@ -241,35 +188,26 @@ mod tests {
         };
         let with = |changes: &&[(&str, f64)]| {
             let mut values = start.clone();
-            changes.iter().for_each(|(name, value)| values.put(reference(model, name), *value));
+            changes.iter().for_each(|(name, value)| values.put(interface.named(name).unwrap().reference, *value));
             values
         };
         settings.iter().map(with).collect()
     }
 
-    fn reference(model: Model, name: &str) -> u32 {
-        let mut all =
-            model.rows().iter().flat_map(|row| row.references().map(move |i| (row.scalar_name(i), i)));
-        all.find(|(known, _)| known == name).unwrap().1
-    }
-
     /// (name of an output row, name of a row it was seen to depend on at the start), by changing one value at a time.
-    fn observed(model: Model) -> BTreeSet<(&'static str, &'static str)> {
+    fn observed(interface: &Interface) -> BTreeSet<(&'static str, &'static str)> {
         let mut found = BTreeSet::new();
-        for point in points(model) {
+        for point in points(interface) {
             let mut before = point.clone();
-            model.start(&mut before, 0.0).unwrap();
-            for known in model.rows().iter().filter(|row| row.causality != Causality::Output) {
-                for reference in known.references() {
-                    for value in others(known, point.at(reference)) {
-                        let mut after = point.clone();
-                        after.put(reference, value);
-                        if model.start(&mut after, 0.0).is_ok() {
-                            let outputs = model.rows_with(Causality::Output);
-                            let changed =
-                                outputs.filter(|row| row.references().any(|i| before.at(i) != after.at(i)));
-                            found.extend(changed.map(|row| (row.name, known.name)));
-                        }
+            interface.begin(&mut before, 0.0).unwrap();
+            for known in interface.scalars().filter(|scalar| scalar.row.causality != Causality::Output) {
+                for value in others(known.row, point.at(known.reference)) {
+                    let mut after = point.clone();
+                    after.put(known.reference, value);
+                    if interface.begin(&mut after, 0.0).is_ok() {
+                        let outputs = interface.scalars().filter(|s| s.row.causality == Causality::Output);
+                        let changed = outputs.filter(|s| before.at(s.reference) != after.at(s.reference));
+                        found.extend(changed.map(|scalar| (scalar.row.name, known.row.name)));
                     }
                 }
             }
@@ -288,26 +226,26 @@ mod tests {
 
     #[test]
     fn outputs_depend_at_the_start_on_exactly_what_the_table_says() {
-        for model in MODELS {
-            let outputs = model.rows_with(Causality::Output);
-            let declared: BTreeSet<_> =
-                outputs.flat_map(|row| row.depends_on.iter().map(|known| (row.name, known.name))).collect();
-            let observed = observed(model);
+        for interface in MODELS.map(Model::interface) {
+            let outputs = interface.rows_with(Causality::Output);
+            let declared: BTreeSet<_> = outputs
+                .flat_map(|row| interface.dependencies(row).map(|known| (row.name, known.name)))
+                .collect();
+            let observed = observed(&interface);
             let (missing, false_ones): (Vec<_>, Vec<_>) =
                 (observed.difference(&declared).collect(), declared.difference(&observed).collect());
             assert_eq!(
                 (missing, false_ones),
                 (vec![], vec![]),
                 "(missing, never seen) in {}",
-                model.identifier()
+                interface.model().identifier()
             );
         }
     }
 
     #[test]
-    fn the_models_have_different_tokens() {
-        assert_ne!(Model::Controller.token(), Model::Plant.token());
-        assert_eq!(Model::with_token(Model::Plant.token()), Some(Model::Plant));
-        assert_eq!(Model::with_token("something else"), None);
+    fn models_and_rigs_have_different_tokens() {
+        let tokens: BTreeSet<String> = interfaces().iter().map(|i| i.token().to_owned()).collect();
+        assert_eq!(tokens.len(), 4);
     }
 }

@@ -1,12 +1,17 @@
 //! The plant's variables, and the way from values to a [`Plant`] and back.
 
-use super::robot::{A, B, G, I1, I2, I3, M, REST_TENSION, TIME, parameters, write_robot};
+use super::Interface;
+use super::robot::{
+    A, ANCHOR, ATTACHMENT, B, G, GRAVITY, I1, I2, I3, INERTIA, M, MASS, REST_TENSION, TIME, parameters, rig,
+    write_rig, write_robot,
+};
+use crate::control::static_tensions;
 use crate::fmi::values::Values;
 use crate::fmi::variables::units::{
     METRE, METRE_PER_SECOND, NEWTON, NEWTON_METRE, RADIAN_PER_SECOND, SECOND,
 };
 use crate::fmi::variables::{Kind, Row, Shape, Variability, input, output, parameter, setting};
-use crate::robot::ParameterError;
+use crate::robot::{ParameterError, Pose, Rig, Shape as PaperShape};
 use crate::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 const INITIAL_POSE: Row = Row {
@@ -50,6 +55,7 @@ const NOISE_SEED: Row = setting(
 );
 
 const MOTOR_TENSION: Row = Row {
+    seventh: 500,
     nominal: Some(10.0),
     ..input(
         100,
@@ -77,7 +83,7 @@ const DISTURBANCE_TORQUE: Row = input(
     "Torque on the platform, base frame",
 );
 
-const POSE: &[&Row] = &[&A, &B, &INITIAL_POSE, &ENCODER_RESOLUTION];
+const POSE: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &INITIAL_POSE, &ENCODER_RESOLUTION];
 const TENSION: &[&Row] = &[&LOAD_CELL_NOISE, &NOISE_SEED, &MOTOR_TENSION];
 
 const ENCODER_POSE: Row =
@@ -92,15 +98,19 @@ const ANGULAR_VELOCITY: Row = output(
     &[],
     "Angular velocity of the platform, base frame",
 );
-const CABLE_LENGTH: Row = output(
-    212,
-    "cableLength",
-    Shape::Cables,
-    Some(&METRE),
-    POSE,
-    "Length of the cable as its encoder sees it",
-);
+const CABLE_LENGTH: Row = Row {
+    seventh: 510,
+    ..output(
+        212,
+        "cableLength",
+        Shape::Cables,
+        Some(&METRE),
+        POSE,
+        "Length of the cable as its encoder sees it",
+    )
+};
 const MEASURED_TENSION: Row = Row {
+    seventh: 520,
     nominal: Some(10.0),
     ..output(
         218,
@@ -112,12 +122,13 @@ const MEASURED_TENSION: Row = Row {
     )
 };
 const SLACK: Row = Row {
+    seventh: 530,
     kind: Kind::Boolean,
     variability: Variability::Discrete,
     ..output(224, "slack", Shape::Cables, None, &[&MOTOR_TENSION], "Whether the cable pulls with nothing")
 };
 
-/// The table, in ascending order of value references.
+/// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
     &TIME,
     &A,
@@ -144,14 +155,29 @@ pub const ROWS: &[&Row] = &[
     &SLACK,
 ];
 
-/// Starts a plant with the parameters and inputs in `values`.
-pub fn start(values: &Values) -> Result<Plant, ParameterError> {
-    Plant::new(plant_parameters(values), &inputs(values))
+/// The table of another rig.
+pub fn rows_of() -> Vec<&'static Row> {
+    let of_paper = [&A, &B, &M, &I1, &I2, &I3, &G].map(|row| row.name);
+    let mut rows = vec![&TIME, &MASS, &INERTIA, &GRAVITY, &ANCHOR, &ATTACHMENT];
+    rows.extend(ROWS.iter().skip(1).filter(|row| !of_paper.contains(&row.name)));
+    rows
 }
 
-fn plant_parameters(values: &Values) -> PlantParameters {
+/// Starts a plant with the parameters and inputs in `values`.
+pub fn start(interface: &Interface, values: &Values) -> Result<Plant, ParameterError> {
+    if interface.rig().is_none() {
+        parameters(values).validate()?;
+    }
+    Plant::new(plant_parameters(interface, values), &inputs(values))
+}
+
+fn plant_parameters(interface: &Interface, values: &Values) -> PlantParameters {
+    let default = PlantParameters::default();
     PlantParameters {
-        robot: parameters(values),
+        rig: match interface.rig() {
+            Some(known) => rig(values, known),
+            None => Rig::paper(&parameters(values), default.rig.common_limits()),
+        },
         initial_pose: values.pose(&INITIAL_POSE),
         friction: values.scalar(&FRICTION),
         motor_lag: values.scalar(&MOTOR_LAG),
@@ -180,15 +206,26 @@ pub fn write(outputs: &PlantOutputs, values: &mut Values) {
     values.write(&SLACK, outputs.slack.map(f64::from));
 }
 
-/// Copies parameters into `values`.
-pub fn write_parameters(parameters: &PlantParameters, values: &mut Values) {
-    write_robot(&parameters.robot, values);
+/// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.
+pub fn write_parameters(interface: &Interface, parameters: &PlantParameters, values: &mut Values) {
+    match (interface.rig(), PaperShape::of(&parameters.rig)) {
+        (None, Ok(shape)) => write_robot(&shape.robot, values),
+        _ => write_rig(&parameters.rig, values),
+    }
     values.write(&INITIAL_POSE, parameters.initial_pose.0.iter().copied());
     values.write(&FRICTION, [parameters.friction]);
     values.write(&MOTOR_LAG, [parameters.motor_lag]);
     values.write(&ENCODER_RESOLUTION, [parameters.encoder_resolution]);
     values.write(&LOAD_CELL_NOISE, [parameters.load_cell_noise]);
     values.write(&NOISE_SEED, [parameters.noise_seed.into()]);
+}
+
+/// The start values of a rig's table: at home, at rest.
+pub fn write_start(rig: &Rig, home: &Pose, values: &mut Values) {
+    write_rig(rig, values);
+    values.write(&INITIAL_POSE, home.0.iter().copied());
+    let tension = static_tensions(rig, home, 0.0).unwrap_or_else(|| rig.cables.map(|_| 0.0));
+    values.write(&MOTOR_TENSION, tension);
 }
 
 /// Copies inputs into `values`.
@@ -213,22 +250,28 @@ pub fn outputs(values: &Values) -> PlantOutputs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fmi::Model;
+    use crate::robot::RobotParameters;
 
     #[test]
     fn the_start_values_are_the_defaults_of_the_domain() {
-        assert_eq!(plant_parameters(&Values::new(ROWS)), PlantParameters::default());
+        let interface = Model::Plant.interface();
+        assert_eq!(plant_parameters(&interface, interface.start()), PlantParameters::default());
     }
 
     #[test]
     fn what_is_written_is_read_back() {
-        let mut values = Values::new(ROWS);
-        for (k, reference) in ROWS.iter().flat_map(|row| row.references()).enumerate() {
-            values.put(reference, k as f64);
+        let interface = Model::Plant.interface();
+        let mut values = interface.start().clone();
+        for (k, scalar) in interface.scalars().enumerate() {
+            values.put(scalar.reference, k as f64);
         }
+        // Numbers that the paper's robot is recognised by.
+        write_robot(&RobotParameters { a: 0.7, b: 0.2, ..RobotParameters::default() }, &mut values);
         values.write(&SLACK, [1.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
-        let mut copy = Values::new(ROWS);
+        let mut copy = interface.start().clone();
         copy.put(TIME.first, values.at(TIME.first));
-        write_parameters(&plant_parameters(&values), &mut copy);
+        write_parameters(&interface, &plant_parameters(&interface, &values), &mut copy);
         write_inputs(&inputs(&values), &mut copy);
         write(&outputs(&values), &mut copy);
         assert_eq!(copy, values);

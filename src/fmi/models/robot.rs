@@ -1,9 +1,11 @@
-//! The variables that both models have: time, and Table I.
+//! The variables that both models have: time, and the rig: Table I of the paper's, or cable by cable.
+
+use nalgebra::Vector3;
 
 use crate::fmi::values::Values;
-use crate::fmi::variables::units::{KILOGRAM, KILOGRAM_METRE2, METRE, METRE_PER_SECOND2, SECOND};
+use crate::fmi::variables::units::{KILOGRAM, KILOGRAM_METRE2, METRE, METRE_PER_SECOND2, NEWTON, SECOND};
 use crate::fmi::variables::{Causality, Row, Shape, output, parameter};
-use crate::robot::RobotParameters;
+use crate::robot::{Rig, RobotParameters, TensionLimits};
 
 pub const TIME: Row = Row {
     causality: Causality::Independent,
@@ -33,6 +35,60 @@ pub const G: Row = Row {
     ..parameter(7, "g", &METRE_PER_SECOND2, &[9.81], "Gravitational acceleration, along +z (down)")
 };
 
+pub const MASS: Row =
+    Row { min: Some(0.0), ..parameter(300, "mass", &KILOGRAM, &[], "Mass of the platform") };
+pub const INERTIA: Row = Row {
+    shape: Shape::Tensor,
+    ..parameter(
+        301,
+        "inertia",
+        &KILOGRAM_METRE2,
+        &[],
+        "Inertia of the platform about its centre of mass, in its own frame",
+    )
+};
+pub const GRAVITY: Row = Row {
+    shape: Shape::Vector,
+    ..parameter(307, "gravity", &METRE_PER_SECOND2, &[], "Gravitational acceleration, base frame")
+};
+pub const ANCHOR: Row = Row {
+    shape: Shape::CableVectors,
+    ..parameter(320, "anchor", &METRE, &[], "Where the cable leaves the base, or runs onto its pulley, base frame")
+};
+pub const ATTACHMENT: Row = Row {
+    shape: Shape::CableVectors,
+    ..parameter(
+        370,
+        "attachment",
+        &METRE,
+        &[],
+        "Where the cable holds the platform, from the centre of mass, in the platform's frame",
+    )
+};
+pub const CABLE_MIN: Row = Row {
+    shape: Shape::Cables,
+    seventh: 426,
+    min: Some(0.0),
+    nominal: Some(10.0),
+    ..parameter(420, "minTension", &NEWTON, &[], "Least tension that the cable is ever commanded")
+};
+pub const CABLE_MAX: Row = Row {
+    shape: Shape::Cables,
+    seventh: 446,
+    min: Some(0.0),
+    nominal: Some(10.0),
+    ..parameter(
+        440,
+        "maxTension",
+        &NEWTON,
+        &[],
+        "Greatest tension that the cable is ever commanded; 1e300 and more for none",
+    )
+};
+
+/// From this tension on nothing limits it, N: FMI knows no infinite numbers.
+const UNLIMITED: f64 = 1e300;
+
 /// The rest of Table I's robot at (0, 0, 1): each cable's length, m, and its tension m g l / (6 z), N.
 pub const REST_LENGTH: f64 = 1.096965511460289;
 pub const REST_TENSION: f64 = 10.761231667425436;
@@ -48,6 +104,49 @@ pub fn parameters(values: &Values) -> RobotParameters {
         i3: values.scalar(&I3),
         g: values.scalar(&G),
     }
+}
+
+/// The rig as the user has set it; what has no variables is as in `rig`.
+pub fn rig(values: &Values, rig: &Rig) -> Rig {
+    let mut rig = *rig;
+    let (anchors, attachments) = (values.cable_vectors(&ANCHOR), values.cable_vectors(&ATTACHMENT));
+    for (i, cable) in rig.cables.iter_mut().enumerate() {
+        (cable.anchor, cable.attachment) = (anchors[i], attachments[i]);
+    }
+    rig.mass = values.scalar(&MASS);
+    rig.inertia = values.tensor(&INERTIA);
+    rig.gravity = values.vector(&GRAVITY);
+    rig
+}
+
+/// The same with the limits that the user has set.
+pub fn rig_with_limits(values: &Values, known: &Rig) -> Rig {
+    let mut rig = rig(values, known);
+    let (min, max) = (values.cables(&CABLE_MIN), values.cables(&CABLE_MAX));
+    for (i, cable) in rig.cables.iter_mut().enumerate() {
+        let max = if max[i] >= UNLIMITED { f64::INFINITY } else { max[i] };
+        cable.limits = TensionLimits { min: min[i] + 0.0, max }; // -0 is 0
+    }
+    rig
+}
+
+/// Copies a rig into `values`.
+pub fn write_rig(rig: &Rig, values: &mut Values) {
+    let flat = |points: &mut dyn Iterator<Item = Vector3<f64>>| -> Vec<f64> {
+        points.flat_map(|point| [point.x, point.y, point.z]).collect()
+    };
+    values.write(&MASS, [rig.mass]);
+    let tensor = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|element| rig.inertia[element]);
+    values.write(&INERTIA, tensor);
+    values.write(&GRAVITY, rig.gravity.iter().copied());
+    values.write(&ANCHOR, flat(&mut rig.cables.iter().map(|cable| cable.anchor)));
+    values.write(&ATTACHMENT, flat(&mut rig.cables.iter().map(|cable| cable.attachment)));
+}
+
+/// Copies the limits of its cables into `values`.
+pub fn write_limits(rig: &Rig, values: &mut Values) {
+    values.write(&CABLE_MIN, rig.cables.map(|cable| cable.limits.min));
+    values.write(&CABLE_MAX, rig.cables.map(|cable| cable.limits.max.min(UNLIMITED)));
 }
 
 /// Copies Table I into `values`.
