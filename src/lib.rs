@@ -45,8 +45,9 @@ pub mod cosim;
 pub mod fmi;
 pub mod plan;
 pub mod reach;
-//pub mod report;
-//pub mod rig;
+pub mod report;
+pub mod rig;
 pub mod robot;
 pub mod sim;
-//pub mod transport;
+#[cfg(target_os = "linux")]
+pub mod transport;

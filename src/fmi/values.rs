@@ -16,7 +16,7 @@ pub struct Values {
 
 impl Values {
     /// Zero for each reference of a table of so many cables.
-    pub(super) fn zero(rows: &[&Row], cables: usize) -> Self {
+    pub fn zero(rows: &[&Row], cables: usize) -> Self {
         let references = rows.iter().flat_map(|row| (0..row.count(cables)).map(|k| row.reference(k)));
         let length = references.max().map_or(0, |last| last as usize + 1);
         Self { cables, numbers: vec![0.0; length] }

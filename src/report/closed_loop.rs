@@ -4,13 +4,13 @@ use super::Run;
 use super::recording::columns;
 use super::table::Table;
 use crate::cosim::{CosimError, Instance, Master, Recorder};
-use crate::robot::CABLES;
 
 /// The six components of a pose, as the FMUs call them.
 const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 
 /// Controller and plant, connected; the controller steps first, so that it reads the pose of the step's start.
 pub struct ClosedLoop {
+    cables: usize,
     master: Master,
     recorder: Recorder,
 }
@@ -22,16 +22,19 @@ impl ClosedLoop {
     /// # Errors
     /// [`CosimError`]: a missing variable, or what the FMUs refuse.
     pub fn new(controller: Instance, plant: Instance, goal: [f64; 3], step: f64) -> Result<Self, CosimError> {
-        let connections = connections();
+        let is_tension = |name: &&str| name.starts_with("motorTension[");
+        let names = controller.description().variables.iter().map(|variable| variable.name.as_str());
+        let cables = names.filter(is_tension).count();
+        let connections = connections(cables);
         let connections: Vec<_> = connections.iter().map(|(from, to)| (from.as_str(), to.as_str())).collect();
         let mut master = Master::new(vec![controller, plant], &connections, step)?;
         for (axis, value) in POSE.iter().zip(goal) {
             master.set(&format!("controller.goalPose.{axis}"), value)?;
         }
-        let mut recorder = Recorder::new(&master, columns())?;
+        let mut recorder = Recorder::new(&master, columns(cables))?;
         master.initialize(0.0, None)?;
         recorder.sample(&master)?;
-        Ok(Self { master, recorder })
+        Ok(Self { cables, master, recorder })
     }
 
     /// Steps until `stop` (s), or until the robot has rested at the goal for `rest` seconds, and ends the simulation.
@@ -62,7 +65,7 @@ impl ClosedLoop {
     /// # Errors
     /// [`CosimError::Setup`] for a column that is not recorded.
     pub fn table(&self) -> Result<Table, CosimError> {
-        let names = columns();
+        let names = columns(self.cables);
         let recorded = names.iter().map(|name| self.recorder.column(name)).collect::<Result<Vec<_>, _>>()?;
         let mut table = Table::new(names);
         for (row, time) in self.recorder.times().iter().enumerate() {
@@ -78,7 +81,9 @@ impl ClosedLoop {
     pub fn recorded_run(&self) -> Result<Run, CosimError> {
         let column = |name: &str| self.recorder.column(name).map(<[f64]>::to_vec);
         let axes = |name: &str| all(|k| column(&format!("{name}.{}", POSE[k])));
-        let cables = |name: &str| all(|i| column(&format!("{name}[{}]", i + 1)));
+        let cables = |name: &str| -> Result<Vec<_>, _> {
+            cables(name, self.cables).map(|name| column(&name)).collect()
+        };
         Ok(Run {
             times: self.recorder.times().to_vec(),
             position: axes("plant.encoderPose")?,
@@ -108,14 +113,16 @@ fn pose(name: &str) -> impl Iterator<Item = String> {
     POSE.iter().map(move |axis| format!("{name}.{axis}"))
 }
 
-/// `name[1]` to `name[6]`.
-fn cables(name: &str) -> impl Iterator<Item = String> {
-    (1..=CABLES).map(move |i| format!("{name}[{i}]"))
+/// `name[1]`, `name[2]` and so on.
+fn cables(name: &str, count: usize) -> impl Iterator<Item = String> {
+    (1..=count).map(move |i| format!("{name}[{i}]"))
 }
 
 /// What flows from one FMU to the other.
-fn connections() -> Vec<(String, String)> {
-    let tensions = cables("motorTension").map(|name| (format!("controller.{name}"), format!("plant.{name}")));
-    let measured = pose("encoderPose").chain(cables("cableLength")).chain(cables("measuredTension"));
+fn connections(count: usize) -> Vec<(String, String)> {
+    let tensions =
+        cables("motorTension", count).map(|name| (format!("controller.{name}"), format!("plant.{name}")));
+    let measured =
+        pose("encoderPose").chain(cables("cableLength", count)).chain(cables("measuredTension", count));
     tensions.chain(measured.map(|name| (format!("plant.{name}"), format!("controller.{name}")))).collect()
 }

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::domains::{domain, vertices};
+use super::domains::domain;
 use super::explanation;
 use super::history::{History, status_name};
 use super::thinning::{drawn_rows, rounded};
 use crate::plan::Status;
-use crate::reach::static_workspace;
-use crate::robot::geometry::FACET_NORMALS;
-use crate::robot::{CABLES, Geometry, PerCable, Pose};
+use crate::reach::{Slice, polygon, static_workspace};
+use crate::robot::triangles::FACET_NORMALS;
+use crate::robot::{Pose, Rig};
 
 /// Steps to the unit in which positions (m), angles (rad) and times (s) are given.
 const FINE: f64 = 1e6;
@@ -18,18 +18,26 @@ const NEWTON: f64 = 1e4;
 /// More set points or goals than these are no longer told apart: the first ones are listed, and drawn is what the drawn rows show.
 pub const MANY: usize = 100;
 
+/// Points of the outline of a workspace that is no polygon known beforehand.
+const OUTLINE: usize = 180;
+
 /// Lengths in m, tensions in N, times in s, `row` an index into the drawn rows.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Data {
-    anchors: PerCable<[f64; 3]>,
-    attachments: PerCable<[f64; 3]>,
-    normals: PerCable<[f64; 2]>,
-    /// Both ends of each facet of the static workspace.
-    facets: PerCable<[[f64; 2]; 2]>,
+    anchors: Vec<[f64; 3]>,
+    attachments: Vec<[f64; 3]>,
+    /// Whether gravity points against z.
+    z_up: bool,
+    /// Normals of the facets of the static workspace, of the paper's rig only.
+    normals: Vec<[f64; 2]>,
+    /// Both ends of each facet.
+    facets: Vec<[[f64; 2]; 2]>,
     /// Distance of the facets from the middle.
     apothem: f64,
+    /// Outline of the static workspace, and at which height it is drawn: of the paper's rig at that of the base, where p is.
     workspace: Vec<[f64; 2]>,
+    workspace_height: f64,
     limits: Limits,
     /// Greatest tension measured.
     tension_top: f64,
@@ -51,7 +59,8 @@ pub struct Data {
 #[derive(Serialize)]
 struct Limits {
     min: f64,
-    max: f64,
+    /// None where nothing limits the tensions.
+    max: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -74,8 +83,8 @@ struct Goal {
 struct Rows {
     time: Vec<f64>,
     pose: [Vec<f64>; 6],
-    tension: PerCable<Vec<f64>>,
-    predicted: Option<PerCable<Vec<Option<f64>>>>,
+    tension: Vec<Vec<f64>>,
+    predicted: Option<Vec<Vec<Option<f64>>>>,
     /// Bit i is set where cable i + 1 is slack.
     slack: Vec<u32>,
     margin: Vec<f64>,
@@ -89,9 +98,11 @@ impl Data {
         let (set_points, goals) = (history.set_point_rows(), history.goal_rows());
         let drawn = shown(history, &set_points, &goals);
         let place = |row: usize| drawn.partition_point(|k| *k < row);
-        let robot = &history.info.plant_parameters.robot;
-        let geometry = Geometry::new(robot);
-        let limits = &history.info.controller_parameters;
+        let rig = &history.info.plant_parameters.rig;
+        let limits = history.info.controller_parameters.rig.common_limits();
+        let facets = history.paper.map_or(vec![], |_| FACET_NORMALS.to_vec());
+        let apothem = history.paper.map_or(0.0, |robot| robot.a / 2.0);
+        let (workspace, workspace_height) = workspace(history, rig);
         let chosen = |i: usize| SetPoint {
             number: i,
             row: place(set_points[i]),
@@ -105,13 +116,15 @@ impl Data {
         let goal = |i: usize| Goal { row: place(goals[i]), pose: shortened(&history.goal[goals[i]]) };
         let tension = history.run.tension.iter().flatten();
         Self {
-            anchors: geometry.anchor.map(Into::into),
-            attachments: geometry.attachment.map(Into::into),
-            normals: FACET_NORMALS.map(Into::into),
-            facets: FACET_NORMALS.map(|n| facet(n.into(), robot.a / 2.0)),
-            apothem: robot.a / 2.0,
-            workspace: vertices(&static_workspace(robot), 2.0 * robot.a).unwrap_or_default(),
-            limits: Limits { min: limits.min_tension, max: limits.max_tension },
+            anchors: rig.cables.iter().map(|cable| cable.anchor.into()).collect(),
+            attachments: rig.cables.iter().map(|cable| cable.attachment.into()).collect(),
+            z_up: rig.gravity.z < 0.0,
+            normals: facets.iter().map(|normal| (*normal).into()).collect(),
+            facets: facets.iter().map(|normal| facet((*normal).into(), apothem)).collect(),
+            apothem,
+            workspace,
+            workspace_height,
+            limits: Limits { min: limits.min, max: limits.max.is_finite().then_some(limits.max) },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
             statuses: Status::ALL.map(status_name),
             set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
@@ -134,16 +147,17 @@ impl Rows {
         let run = &history.run;
         let of = |column: &[f64], steps| drawn.iter().map(|row| rounded(column[*row], steps)).collect();
         let points: Vec<_> = drawn.iter().map(|row| explanation::moving_point(history, *row)).collect();
-        let mask = |row: &usize| (0..CABLES).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
+        let mask = |row: &usize| (0..run.slack.len()).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
         let newtons = |u: Vec<Option<f64>>| u.iter().map(|u| u.map(|u| rounded(u, NEWTON))).collect();
+        let cables = run.tension.len();
         Self {
             time: of(&run.times, FINE),
             pose: std::array::from_fn(|k| {
                 drawn.iter().map(|row| rounded(history.pose[*row].0[k], FINE)).collect()
             }),
-            tension: run.tension.each_ref().map(|column| of(column, NEWTON)),
+            tension: run.tension.iter().map(|column| of(column, NEWTON)).collect(),
             predicted: explanation::predicted(history, drawn)
-                .map(|rows| explanation::columns(&rows).map(newtons)),
+                .map(|rows| explanation::columns(&rows, cables).into_iter().map(newtons).collect()),
             slack: drawn.iter().map(mask).collect(),
             margin: of(&run.tension_margin, NEWTON),
             p: [0, 1].map(|k| points.iter().map(|p| p.map(|p| rounded(p[k], FINE))).collect()),
@@ -184,6 +198,22 @@ fn slack_spans(history: &History) -> Vec<[f64; 2]> {
         }
     }
     spans
+}
+
+/// Outline of the static workspace, and the height at which it is drawn, m: of the paper's rig the hexagon (16), in the base plane; of others
+/// the border round the last pose, at its height and orientation. Nothing if the platform cannot be held there.
+fn workspace(history: &History, rig: &Rig) -> (Vec<[f64; 2]>, f64) {
+    if let Some(robot) = &history.paper {
+        let hexagon = polygon(&static_workspace(robot), 2.0 * robot.a);
+        return (hexagon.iter().map(|vertex| (*vertex).into()).collect(), 0.0);
+    }
+    let last = &history.set_point[history.len() - 1];
+    let (middle, height) = (last.position().xy(), last.0[2]);
+    let slice = Slice { rig, height, angles: last.angles() };
+    if slice.margin(&middle) < 0.0 {
+        return (vec![], height);
+    }
+    (slice.boundary(&middle, OUTLINE).into_iter().map(Into::into).collect(), height)
 }
 
 /// Both ends of the side of a regular hexagon whose outward normal this is.

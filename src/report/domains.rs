@@ -16,7 +16,7 @@ const LEVEL: f64 = 1e-2;
 pub fn domain(history: &History, before: usize, row: usize) -> Option<Vec<[f64; 2]>> {
     let estimate = history.estimate.as_ref()?;
     let parameters = &history.info.controller_parameters;
-    let (robot, gains) = (&parameters.robot, parameters.gains());
+    let (robot, gains) = (history.paper.as_ref()?, parameters.gains());
     let from = history.set_point[before].position();
     match parameters.planner {
         PlannerKind::Bounded => {
@@ -37,7 +37,7 @@ pub fn domain(history: &History, before: usize, row: usize) -> Option<Vec<[f64; 
 }
 
 /// Vertices of what the half-planes bound.
-pub fn vertices(half_planes: &[HalfPlane], extent: f64) -> Option<Vec<[f64; 2]>> {
+fn vertices(half_planes: &[HalfPlane], extent: f64) -> Option<Vec<[f64; 2]>> {
     let vertices = polygon(half_planes, extent);
     (!vertices.is_empty()).then(|| vertices.iter().map(|v| [v.x, v.y]).collect())
 }
@@ -85,10 +85,11 @@ mod tests {
     #[test]
     fn rays_find_the_closed_form_of_rest() {
         let folder = run(PlannerKind::Exact, 0.1, 0.0);
-        let parameters = &folder.info.controller_parameters;
+        let gains = folder.info.controller_parameters.gains();
+        let robot = crate::robot::RobotParameters::default();
         let from = Vector3::new(0.05, -0.02, 1.0);
         let domain =
-            ExactDomain::new(&parameters.robot, &parameters.gains(), NEVER_SLACK, from, Vector3::zeros());
+            ExactDomain::new(&robot, &gains, NEVER_SLACK, from, Vector3::zeros());
         for point in rays(&domain, &from, 0.9).unwrap() {
             let slack =
                 domain.half_planes().iter().map(|h| h.slack(&point.into())).fold(f64::INFINITY, f64::min);

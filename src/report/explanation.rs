@@ -1,14 +1,16 @@
 //! What explains the tensions: the point p, and what the closed form had predicted.
 
 use super::history::History;
-use crate::control::{Response, lyapunov};
-use crate::robot::{CABLES, Coordinates, Geometry, PerCable, Pose, tensions};
+use crate::control::{Response, lyapunov, tensions};
+use crate::robot::{Coordinates, PerCable, Pose};
 
 /// p = P + P'' z/(g - z''), m, in the base plane: where the line of the net force that the cables shall give meets it.
 ///
-/// P'' is what the law (5) demands of the estimated state. A controller that does not tell its estimate leaves the net force of the
-/// measured tensions, which cannot leave the facets. `None` where neither makes sense.
+/// P'' is what the law (4) demands of the estimated state. A controller that does not tell its estimate leaves the net force of the
+/// measured tensions, which cannot leave the facets. `None` where neither makes sense, and for another rig than the paper's, of which p
+/// tells nothing.
 pub fn moving_point(history: &History, row: usize) -> Option<[f64; 2]> {
+    history.paper.as_ref()?;
     let force = match &history.estimate {
         Some(estimate) if history.law_at_work(row) => demanded(history, &estimate[row], row),
         Some(_) => return None,
@@ -25,15 +27,14 @@ pub fn moving_point(history: &History, row: usize) -> Option<[f64; 2]> {
 fn demanded(history: &History, (pose, rates): &(Pose, Coordinates), row: usize) -> [f64; 3] {
     let parameters = &history.info.controller_parameters;
     let demand = lyapunov::acceleration(&parameters.gains(), pose, rates, &history.set_point[row]);
-    [demand[0], demand[1], demand[2] - parameters.robot.g]
+    [0, 1, 2].map(|k| demand[k] - parameters.rig.gravity[k])
 }
 
 /// The force of the measured tensions.
 fn measured(history: &History, row: usize) -> [f64; 3] {
     let pose = &history.pose[row];
-    let cables =
-        Geometry::new(&history.info.plant_parameters.robot).cables(&pose.position(), &pose.rotation());
-    cables.wrench(&history.run.tension.each_ref().map(|cable| cable[row])).0.into()
+    let tension: Vec<f64> = history.run.tension.iter().map(|cable| cable[row]).collect();
+    history.info.plant_parameters.rig.cables_at(pose).wrench(&tension).0.into()
 }
 
 /// Tensions of the closed form (12), (13) from the state in which the active set point was given, N, at each of `rows` (in order).
@@ -41,24 +42,22 @@ fn measured(history: &History, row: usize) -> [f64; 3] {
 pub fn predicted(history: &History, rows: &[usize]) -> Option<Vec<Option<PerCable<f64>>>> {
     let estimate = history.estimate.as_ref()?;
     let parameters = &history.info.controller_parameters;
-    let (gains, geometry) = (parameters.gains(), Geometry::new(&parameters.robot));
+    let gains = parameters.gains();
     let given = history.set_point_rows();
     let at = |row: usize| {
         let start = given[given.partition_point(|g| *g <= row) - 1];
         let ((pose, rates), set_point) = (&estimate[start], &history.set_point[row]);
         let response = Response::at(&gains, history.run.times[row] - history.run.times[start]);
         let (pose, rates, accelerations) = response.motion_of(pose, rates, set_point);
-        tensions(&parameters.robot, &geometry, &pose, &rates, &accelerations)
+        tensions(&parameters.rig, &pose, &rates, &accelerations, 0.0)
     };
     Some(rows.iter().map(|row| history.law_at_work(*row).then(|| at(*row)).flatten()).collect())
 }
 
-/// The six columns of rows that may be missing.
-pub fn columns(rows: &[Option<PerCable<f64>>]) -> PerCable<Vec<Option<f64>>> {
+/// The columns of rows that may be missing, one per cable.
+pub fn columns(rows: &[Option<PerCable<f64>>], cables: usize) -> Vec<Vec<Option<f64>>> {
     let of = |i: usize| rows.iter().map(|row| row.map(|tension| tension[i])).collect();
-    let mut columns: PerCable<Vec<Option<f64>>> = Default::default();
-    (0..CABLES).for_each(|i| columns[i] = of(i));
-    columns
+    (0..cables).map(of).collect()
 }
 
 #[cfg(test)]
@@ -66,19 +65,18 @@ mod tests {
     use super::*;
     use crate::plan::PlannerKind;
     use crate::report::tests::run;
-    use crate::robot::geometry::FACET_NORMALS;
+    use crate::robot::triangles::FACET_NORMALS;
 
     /// The identity of the paper notes: u = m l (g - z'') (a/2 - n·p) / (3 a z) with zero orientation, here at constant height.
     #[test]
     fn p_is_as_far_inside_each_facet_as_the_cable_is_taut() {
         let folder = run(PlannerKind::Bounded, 3.0, 0.0);
         let history = History::new(&folder).unwrap();
-        let robot = &history.info.plant_parameters.robot;
-        let geometry = Geometry::new(robot);
+        let (robot, rig) = (history.paper.unwrap(), &history.info.plant_parameters.rig);
         for row in (1..history.len()).step_by(10) {
             let (p, pose) = (moving_point(&history, row).unwrap(), &history.pose[row]);
-            let length = geometry.cables(&pose.position(), &pose.rotation()).length;
-            for i in 0..CABLES {
+            let length = rig.cables_at(pose).length;
+            for i in 0..6 {
                 let inside = robot.a / 2.0 - FACET_NORMALS[i].x * p[0] - FACET_NORMALS[i].y * p[1];
                 let tension = robot.m * robot.g * length[i] * inside / (3.0 * robot.a * pose.0[2]);
                 let recorded = history.run.tension[i][row];
@@ -110,7 +108,7 @@ mod tests {
         for row in rows {
             let tension = predicted[row].unwrap();
             worst =
-                (0..CABLES).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(worst, f64::max);
+                (0..6).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(worst, f64::max);
         }
         assert!(worst < 0.05, "{worst} N apart");
     }

@@ -4,7 +4,7 @@ use super::Summary;
 use super::history::History;
 use super::run_folder::Model;
 use crate::plan::{PlannerKind, PoseSource};
-use crate::robot::{CABLES, Pose};
+use crate::robot::{Pose, Rig};
 
 /// More goals than these are counted only.
 const MOST_GOALS: usize = 10;
@@ -13,7 +13,7 @@ const MOST_GOALS: usize = 10;
 pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)> {
     let info = history.info;
     let (controller, plant) = (&info.controller_parameters, &info.plant_parameters);
-    let (robot, gains) = (&plant.robot, controller.gains());
+    let gains = controller.gains();
     let planner = match controller.planner {
         PlannerKind::Bounded => "reachable domain (15)",
         PlannerKind::Exact => "exact domain",
@@ -30,10 +30,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
         ("Rig", info.rig.clone()),
         (
             "Robot",
-            format!(
-                "a = {} m, b = {} m, m = {} kg, I = ({}, {}, {}) kg m², g = {} m/s²",
-                robot.a, robot.b, robot.m, robot.i1, robot.i2, robot.i3, robot.g
-            ),
+            robot(history),
         ),
         (
             "Law (4)",
@@ -50,7 +47,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
             "Planner",
             format!("{planner}, T_s = {} s, N = {}", controller.planner_period, controller.bisection_steps),
         ),
-        ("Tension limits", format!("{} to {} N", controller.min_tension, controller.max_tension)),
+        ("Tension limits", limits(&controller.rig)),
         (
             "Imperfections",
             format!(
@@ -87,6 +84,36 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
         (from, format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
     ]);
     facts
+}
+
+/// Table I, or mass and number of cables.
+fn robot(history: &History) -> String {
+    let rig = &history.info.plant_parameters.rig;
+    match &history.paper {
+        Some(robot) => format!(
+            "a = {} m, b = {} m, m = {} kg, I = ({}, {}, {}) kg m², g = {} m/s²",
+            robot.a, robot.b, robot.m, robot.i1, robot.i2, robot.i3, robot.g
+        ),
+        None => {
+            let [x, y, z] = [0, 1, 2].map(|k| rig.inertia[(k, k)]);
+            format!(
+                "{} cables, m = {} kg, I = ({x}, {y}, {z}) kg m², g = {:.4} m/s²",
+                rig.cables.len(),
+                rig.mass,
+                rig.gravity.norm()
+            )
+        }
+    }
+}
+
+/// The limits of all cables, the tightest where they differ.
+pub fn limits(rig: &Rig) -> String {
+    let common = rig.common_limits();
+    let differ = if rig.limits().iter().all(|limits| *limits == common) { "" } else { ", the tightest of all cables" };
+    match common.max.is_finite() {
+        true => format!("{} to {} N{differ}", common.min, common.max),
+        false => format!("{} N and more{differ}", common.min),
+    }
 }
 
 fn model(model: &Model) -> String {
@@ -138,6 +165,6 @@ fn slack(history: &History) -> String {
             (1..times.len()).filter(|k| column[*k] != 0.0).map(|k| times[k] - times[k - 1]).sum();
         Some(format!("cable {} from {:.3} s, {total:.3} s in all", i + 1, times[first]))
     };
-    let cables: Vec<_> = (0..CABLES).filter_map(of).collect();
+    let cables: Vec<_> = (0..history.run.slack.len()).filter_map(of).collect();
     if cables.is_empty() { "none".to_owned() } else { cables.join("; ") }
 }

@@ -2,7 +2,7 @@
 
 use super::{Run, RunFolder, RunInfo, Table, TableError};
 use crate::plan::Status;
-use crate::robot::{Coordinates, Pose};
+use crate::robot::{Coordinates, Pose, RobotParameters, Shape};
 
 /// The six components of a pose, as the columns call them.
 const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
@@ -11,6 +11,8 @@ const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 pub struct History<'a> {
     /// What was run.
     pub info: &'a RunInfo,
+    /// The paper's robot, if the plant is that and stands where the paper's does.
+    pub paper: Option<RobotParameters>,
     /// Its plain columns.
     pub run: Run,
     /// The platform.
@@ -44,6 +46,10 @@ impl<'a> History<'a> {
         };
         Ok(Self {
             info: &folder.info,
+            paper: Shape::of(&folder.info.plant_parameters.rig)
+                .ok()
+                .filter(Shape::is_in_place)
+                .map(|shape| shape.robot),
             run: folder.run()?,
             pose: poses(table, "plant.encoderPose")?,
             set_point: if says("setPoint") { poses(table, "controller.setPoint")? } else { goal.clone() },

@@ -51,7 +51,7 @@ mod tests {
 
     pub(super) fn record(scenario: &Scenario) -> RunFolder {
         let mut closed_loop = ClosedLoop::new(scenario).unwrap();
-        let mut recording = Recording::new();
+        let mut recording = Recording::new(scenario.plant.rig.cables.len());
         recording.push(closed_loop.moment()).unwrap();
         for _ in 0..(scenario.duration / scenario.step).round() as usize {
             closed_loop.step().unwrap();

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use quick_xml::escape::escape;
 
 use super::data::{Data, MANY};
-use super::facts::{facts, first_of};
+use super::facts::{facts, first_of, limits};
 use super::history::{History, status_name};
 use super::{RunFolder, Summary, TableError};
 use crate::plan::{PlannerKind, Status};
@@ -40,7 +40,7 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("angle_heads", angle_heads(turned).to_owned()),
         ("domain_key", domain_key(&history).to_owned()),
         ("p_source", p_source(&history).to_owned()),
-        ("limits", limits(&history)),
+        ("limits", limits(&history.info.controller_parameters.rig)),
         ("drawn", drawn(data.rows(), history.len())),
         ("uplot_css", UPLOT_STYLE.to_owned()),
         ("css", STYLE.to_owned()),
@@ -111,15 +111,10 @@ fn domain_key(history: &History) -> &'static str {
 
 fn p_source(history: &History) -> &'static str {
     if history.estimate.is_some() {
-        "Its acceleration is the one that the law (5) demands of the recorded estimate."
+        "Its acceleration is the one that the law (4) demands of the recorded estimate."
     } else {
         "The controller tells no estimate, so it is found from the measured tensions."
     }
-}
-
-fn limits(history: &History) -> String {
-    let controller = &history.info.controller_parameters;
-    format!("{} and {} N", controller.min_tension, controller.max_tension)
 }
 
 fn drawn(drawn: usize, rows: usize) -> String {

@@ -3,16 +3,16 @@
 use thiserror::Error;
 
 use super::table::Table;
+use crate::fmi::Model;
 use crate::fmi::models::{controller, plant};
 use crate::fmi::values::Values;
 use crate::fmi::variables::{Causality, Row};
-use crate::fmi::{MODELS, Model};
 use crate::sim::Moment;
 
 /// The columns of a run after `time`: every output of plant and controller and the inputs that come from outside, by the
-/// names of the FMUs' variables (`plant.encoderPose.x`, `controller.setPoint.x`, ...).
-pub fn columns() -> Vec<String> {
-    variables().into_iter().map(|(model, name, _)| column(model, &name)).collect()
+/// names of the FMUs' variables (`plant.encoderPose.x`, `controller.setPoint.x`, ...), for so many cables.
+pub fn columns(cables: usize) -> Vec<String> {
+    variables(cables).into_iter().map(|(model, name, _)| column(model, &name)).collect()
 }
 
 /// The column of a model's variable.
@@ -24,14 +24,20 @@ pub fn column(model: Model, variable: &str) -> String {
 }
 
 /// Model, name and value reference of what is recorded.
-fn variables() -> Vec<(Model, String, u32)> {
-    let outside = |row: &&Row| row.name == "goalPose" || row.name.starts_with("disturbance");
-    let of = |model: Model| {
-        let inputs = model.rows_with(Causality::Input).filter(outside);
-        let rows = model.rows_with(Causality::Output).chain(inputs);
-        rows.flat_map(move |row| row.references().map(move |i| (model, row.scalar_name(i), i)))
+fn variables(cables: usize) -> Vec<(Model, String, u32)> {
+    let recorded = |row: &&&Row| {
+        let outside = row.name == "goalPose" || row.name.starts_with("disturbance");
+        row.causality == Causality::Output || row.causality == Causality::Input && outside
     };
-    of(Model::Plant).chain(of(Model::Controller)).collect()
+    let of = |model: Model, rows: &'static [&'static Row]| {
+        // Outputs first.
+        let mut rows: Vec<_> = rows.iter().filter(recorded).collect();
+        rows.sort_by_key(|row| row.causality != Causality::Output);
+        rows.into_iter().flat_map(move |row| {
+            (0..row.count(cables)).map(move |k| (model, row.scalar_name(k), row.reference(k)))
+        })
+    };
+    of(Model::Plant, plant::ROWS).chain(of(Model::Controller, controller::ROWS)).collect()
 }
 
 /// A value that no file can hold and nobody can draw.
@@ -49,16 +55,16 @@ pub struct NotFinite {
 /// Takes down the moments of a simulation.
 pub struct Recording {
     variables: Vec<(Model, String, u32)>,
-    /// In the order of [`MODELS`].
+    /// Of controller and plant.
     values: [Values; 2],
     table: Table,
 }
 
 impl Recording {
-    /// Nothing taken down yet.
-    pub fn new() -> Self {
-        let values = MODELS.map(|model| Values::new(model.rows()));
-        Self { variables: variables(), values, table: Table::new(columns()) }
+    /// Nothing taken down yet, of a rig with so many cables.
+    pub fn new(cables: usize) -> Self {
+        let values = [controller::ROWS, plant::ROWS].map(|rows| Values::zero(rows, cables));
+        Self { variables: variables(cables), values, table: Table::new(columns(cables)) }
     }
 
     /// Adds a row.
@@ -93,12 +99,6 @@ impl Recording {
     }
 }
 
-impl Default for Recording {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,7 +124,7 @@ mod tests {
         let scenario = resting();
         let mut moment = *ClosedLoop::new(&scenario).unwrap().moment();
         moment.plant.encoder_pose.0[1] = f64::INFINITY;
-        let mut recording = Recording::new();
+        let mut recording = Recording::new(6);
         let said = recording.push(&moment).unwrap_err().to_string();
         assert_eq!(said, "plant.encoderPose.y = inf at 0 s is not a finite number");
         assert_eq!(recording.into_table().rows(), 0);
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn the_columns_are_the_variables_of_the_fmus() {
-        let columns = columns();
+        let columns = columns(6);
         assert_eq!(columns[..2], ["plant.encoderPose.x", "plant.encoderPose.y"]);
         for name in
             ["plant.disturbanceTorque.z", "plant.slack[6]", "controller.goalPose.yaw", "controller.status"]
@@ -146,7 +146,7 @@ mod tests {
     fn a_row_holds_what_controller_and_plant_said() {
         let scenario = resting();
         let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
-        let mut recording = Recording::new();
+        let mut recording = Recording::new(6);
         recording.push(closed_loop.moment()).unwrap();
         closed_loop.step().unwrap();
         recording.push(closed_loop.moment()).unwrap();

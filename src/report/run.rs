@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use crate::robot::{CABLES, PerCable};
-
 /// A recorded run: a column a quantity, all as long as `times`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
@@ -16,9 +14,9 @@ pub struct Run {
     /// Number of the active set point.
     pub set_point_index: Vec<f64>,
     /// What the cables pull, N.
-    pub tension: PerCable<Vec<f64>>,
+    pub tension: Vec<Vec<f64>>,
     /// 1 where a cable is slack.
-    pub slack: PerCable<Vec<f64>>,
+    pub slack: Vec<Vec<f64>>,
     /// The controller's prediction of the smallest tension to come, N.
     pub tension_margin: Vec<f64>,
     /// 1 at rest at the goal.
@@ -39,7 +37,7 @@ pub struct SetPoint {
 pub struct SmallestTension {
     /// N.
     pub value: f64,
-    /// Cable number, 1 to 6.
+    /// Cable number, from 1.
     pub cable: usize,
     /// s.
     pub time: f64,
@@ -60,7 +58,7 @@ pub struct Summary {
     pub smallest_tension: Option<SmallestTension>,
     /// When the robot first rested at the goal, s.
     pub time_to_goal: Option<f64>,
-    /// The first cable to go slack, 1 to 6, and when.
+    /// The first cable to go slack, from 1, and when.
     pub slack: Option<(usize, f64)>,
 }
 
@@ -68,7 +66,7 @@ impl Run {
     /// Reads the results off the columns.
     pub fn summary(&self) -> Summary {
         let first = |column: &[f64]| column.iter().position(|value| *value != 0.0).map(|row| self.times[row]);
-        let slack = (0..CABLES).filter_map(|i| Some((i + 1, first(&self.slack[i])?)));
+        let slack = (0..self.slack.len()).filter_map(|i| Some((i + 1, first(&self.slack[i])?)));
         Summary {
             set_points: self.set_points(),
             smallest_tension: self.smallest_tension(),
@@ -95,7 +93,7 @@ impl Run {
         let order = |a: &SmallestTension, b: &SmallestTension| {
             a.value.total_cmp(&b.value).then(a.time.total_cmp(&b.time))
         };
-        (0..CABLES).flat_map(of_cable).min_by(order)
+        (0..self.tension.len()).flat_map(of_cable).min_by(order)
     }
 }
 
@@ -111,10 +109,10 @@ mod tests {
             position: [along(|t| 0.01 * t), along(|t| 0.02 * t), along(|_| 1.0)],
             set_point: [along(|t| if t < 0.5 { 0.0 } else { 0.2 }), along(|_| 0.0), along(|_| 1.0)],
             set_point_index: along(|t| if t < 0.5 { 0.0 } else { 1.0 }),
-            tension: std::array::from_fn(|i| {
-                along(if i == 4 { |t| 1.0 + (t - 0.7) * (t - 0.7) } else { |t| 10.0 + t.sin() })
-            }),
-            slack: std::array::from_fn(|_| vec![0.0; samples]),
+            tension: (0..6)
+                .map(|i| along(if i == 4 { |t| 1.0 + (t - 0.7) * (t - 0.7) } else { |t| 10.0 + t.sin() }))
+                .collect(),
+            slack: vec![vec![0.0; samples]; 6],
             tension_margin: along(|_| 1.0),
             at_goal: along(|t| f64::from(u8::from(t > 0.9))),
             times,

@@ -14,11 +14,11 @@ use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use crate::plan::ControllerParameters;
 use crate::robot::parameters::require;
-use crate::robot::{CABLES, ParameterError};
+use crate::robot::ParameterError;
 use crate::sim::PlantParameters;
 
 /// Number of the format that this program writes and reads.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 /// The recorded columns, see [`columns`](super::recording::columns).
 pub const RUN_CSV: &str = "run.csv";
 /// What was run: a [`RunInfo`].
@@ -203,7 +203,10 @@ impl RunFolder {
         let by_controller = |first: &str| told(&self.info.controller, first);
         let by_plant = |first: &str| told(&self.info.plant, first);
         let axes = |name: &str| all(["x", "y", "z"], |axis| column(format!("{name}.{axis}")));
-        let cables = |name: &str| all([1, 2, 3, 4, 5, 6], |i| column(format!("{name}[{i}]")));
+        let count = self.info.plant_parameters.rig.cables.len();
+        let cables = |name: &str| -> Result<Vec<_>, _> {
+            (1..=count).map(|i| column(format!("{name}[{i}]"))).collect()
+        };
         let single = |name: &str, instead: f64| {
             if by_controller(name) { column(name.to_owned()) } else { Ok(vec![instead; self.table.rows()]) }
         };
@@ -290,12 +293,12 @@ fn all<K, const N: usize>(
 }
 
 /// 1 where a tension is not positive.
-fn slack(tension: &[Vec<f64>; CABLES]) -> [Vec<f64>; CABLES] {
-    std::array::from_fn(|i| tension[i].iter().map(|u| f64::from(u8::from(*u <= 0.0))).collect())
+fn slack(tension: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    tension.iter().map(|cable| cable.iter().map(|u| f64::from(u8::from(*u <= 0.0))).collect()).collect()
 }
 
 /// The smallest of each row.
-fn smallest(tension: &[Vec<f64>; CABLES]) -> Vec<f64> {
+fn smallest(tension: &[Vec<f64>]) -> Vec<f64> {
     let of_row = |row: usize| tension.iter().map(|column| column[row]).fold(f64::INFINITY, f64::min);
     (0..tension[0].len()).map(of_row).collect()
 }

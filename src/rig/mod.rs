@@ -32,5 +32,16 @@ pub use config::Config;
 pub use controller::{LibraryController, TensionController};
 pub use frame::Frame;
 
+/// Cables that the bridge drives.
+pub const CABLES: usize = 6;
+
+/// One value per cable of the bridge.
+pub type PerCable<T> = [T; CABLES];
+
+/// The values of a rig with six cables.
+pub(crate) fn six_of<T: Copy + Default>(values: &crate::robot::PerCable<T>) -> PerCable<T> {
+    std::array::from_fn(|i| values.get(i).copied().unwrap_or_default())
+}
+
 /// Time since the program's start, ns. Nothing in this room looks at a clock.
 pub type Nanoseconds = u64;

@@ -23,7 +23,21 @@ pub struct TensionLimits {
     /// Least tension; at zero the cable is slack.
     pub min: f64,
     /// Greatest tension; infinite where nothing limits it.
+    #[serde(with = "unlimited")]
     pub max: f64,
+}
+
+/// Infinity as nothing: JSON knows no infinite numbers.
+mod unlimited {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(max: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        max.is_finite().then_some(*max).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+    }
 }
 
 impl TensionLimits {

@@ -100,13 +100,13 @@ impl Shape {
     }
 
     /// Whether the rig stands as the paper's does, so that poses are the same in both frames.
-    fn is_in_place(&self) -> bool {
-        self.base.origin == Vector3::zeros() && self.base.rotation == Rotation3::identity()
+    pub fn is_in_place(&self) -> bool {
+        self.base.origin == Vector3::zeros() && self.base.rotation == Rotation3::identity() && self.is_parallel()
     }
 
     /// A pose of the rig's frame in the paper's.
     pub fn to_paper(&self, pose: &Pose) -> Pose {
-        if self.is_in_place() && self.is_parallel() {
+        if self.is_in_place() {
             return *pose;
         }
         let position = self.base.rotation.inverse() * (pose.position() - self.base.origin);
@@ -120,7 +120,7 @@ impl Shape {
 
     /// A pose of the paper's frame in the rig's.
     pub fn to_rig(&self, pose: &Pose) -> Pose {
-        if self.is_in_place() && self.is_parallel() {
+        if self.is_in_place() {
             return *pose;
         }
         let position = self.base.rotation * pose.position() + self.base.origin;
@@ -134,7 +134,7 @@ impl Shape {
     /// The velocity of the centre of mass in the paper's frame, m/s, of rates in the rig's.
     pub fn velocity(&self, rates: &Coordinates) -> Vector3<f64> {
         let velocity = rates.fixed_rows::<3>(0).into_owned();
-        if self.is_in_place() { velocity } else { self.base.rotation.inverse() * velocity }
+        if self.base.rotation == Rotation3::identity() { velocity } else { self.base.rotation.inverse() * velocity }
     }
 
     /// A point of the paper's base frame in the rig's, m.

@@ -97,12 +97,12 @@ function tensionRange() {
 }
 
 const tensionLines = [
-  ...CABLES.map((i) => ({ values: rows.tension[i], colour: `--c${i + 1}`, name: `u${i + 1}` })),
+  ...CABLES.map((i) => ({ values: rows.tension[i], colour: `--c${(i % 6) + 1}`, name: `u${i + 1}` })),
   ...(rows.predicted ?? []).map((values) => ({ values, colour: "--ink", dash: [4, 7] })),
 ];
 const tension = chart(byId("tension-chart"), run, {
-  label: "Tensions of the six cables over time", height: 270, range: tensionRange(), lines: tensionLines,
-  limits: [run.limits.min, run.limits.max], scrub: seek,
+  label: "Tensions of the cables over time", height: 270, range: tensionRange(), lines: tensionLines,
+  limits: [run.limits.min, run.limits.max].filter((value) => value !== null), scrub: seek,
 });
 const marginHead = chartWithHead(byId("margin-chart"),
   `<b>smallest (N)</b><span>${swatch("line", "--p")}predicted from now on <output id="now-margin"></output></span><span>${swatch("dotted", "--soft")}now <output id="now-smallest"></output></span>`);
@@ -117,7 +117,7 @@ const cells = { measured: [], predicted: [] };
 for (const i of CABLES) {
   const head = byId("tension-values").tHead.rows[0].appendChild(document.createElement("th"));
   head.scope = "col";
-  head.innerHTML = `<button type="button" aria-pressed="false" aria-label="Show cable ${i + 1} alone" style="border-color: var(--c${i + 1})">u${i + 1}</button>`;
+  head.innerHTML = `<button type="button" aria-pressed="false" aria-label="Show cable ${i + 1} alone" style="border-color: var(--c${(i % 6) + 1})">u${i + 1}</button>`;
   head.firstChild.addEventListener("click", () => alone(i));
   for (const kind in cells) {
     cells[kind].push(byId(kind).appendChild(document.createElement("td")));

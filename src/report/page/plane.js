@@ -7,7 +7,7 @@ function plane(box, run) {
 
   /** Metres to pixels: the workspace, the path and what is near them, x and y alike. */
   function scaled(width, height) {
-    const reach = 2.2 * run.apothem;
+    const reach = run.apothem ? 2.2 * run.apothem : Infinity;
     const near = (v) => Math.max(-reach, Math.min(reach, v));
     const points = [...run.workspace, ...run.setPoints.map((s) => s.pose), ...run.goals.map((g) => g.pose)];
     const side = [0, 1].map((k) => {

@@ -65,15 +65,20 @@ function scene(box, run) {
   let [azimuth, elevation] = START;
   let parts = null, row = 0, size = [1, 1];
   const base = outline(run.anchors), platform = outline(run.attachments);
-  const depth = Math.max(...rows.pose[2], ...run.setPoints.map((s) => s.pose[2])) + 0.05;
-  const wide = Math.max(...[...run.anchors, ...rows.pose[0].map((x, k) => [x, rows.pose[1][k]])].map((a) => Math.hypot(a[0], a[1])));
+  const mean = (k) => run.anchors.reduce((sum, a) => sum + a[k], 0) / run.anchors.length, [midX, midY] = [mean(0), mean(1)];
+  // Everything is drawn with z down: a rig with z up is turned by half a turn about x.
+  const flip = run.zUp ? -1 : 1;
+  const downs = [...run.anchors.map((a) => a[2]), ...rows.pose[2], ...run.setPoints.map((s) => s.pose[2])].map((z) => flip * z);
+  const top = Math.min(...downs), depth = Math.max(...downs) - top + 0.05 * Math.max(...downs.map((z) => z - top));
+  const wide = Math.max(...[...run.anchors, ...rows.pose[0].map((x, k) => [x, rows.pose[1][k]])].map((a) => Math.hypot(a[0] - midX, a[1] - midY)));
   const far = 4 * (wide + depth);
   const way = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 250) === 0);
 
-  /** Perspective from afar, as large as the box allows; x to the right and z down at azimuth and elevation 0. */
-  function project([x, y, z]) {
+  /** Perspective from afar, as large as the box allows; x to the right, z down and so y towards the reader at azimuth and elevation 0. */
+  function project(point) {
+    const [x, y, z] = [point[0] - midX, flip * (point[1] - midY), flip * point[2] - top];
     const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)], [se, ce] = [Math.sin(elevation), Math.cos(elevation)];
-    const across = c * x - s * y, away = s * x + c * y, down = z - depth / 2;
+    const across = c * x - s * y, away = -s * x - c * y, down = z - depth / 2;
     const high = (depth / 2) * ce + 0.6 * wide * Math.abs(se);
     const scale = 0.45 * Math.min(size[0] / wide, size[1] / high) * far / (far + away * ce + down * se);
     return [size[0] / 2 + across * scale, size[1] / 2 + (down * ce - away * se) * scale];
@@ -101,7 +106,7 @@ function scene(box, run) {
   function turn() {
     if (!parts) return;
     set(parts.base, { d: pathOf(base.map(project), true) });
-    set(parts.hexagon, { d: pathOf(run.workspace.map(([x, y]) => project([x, y, 0])), true) });
+    set(parts.hexagon, { d: pathOf(run.workspace.map(([x, y]) => project([x, y, run.workspaceHeight])), true) });
     base.forEach((anchor, k) => { const [cx, cy] = project(anchor); set(parts.anchors[k], { cx, cy }); });
     [0, 1, 2].map((k) => [0, 1, 2].map((i) => (i === k ? 0.23 * wide : 0))).forEach((end, k) => {
       const [from, to] = [project([0, 0, 0]), project(end)], [line, name] = parts.axes[k];

@@ -2,7 +2,7 @@ use super::*;
 use crate::report::recording::columns;
 
 fn run_folder(controller: Model) -> RunFolder {
-    let mut table = Table::new(columns());
+    let mut table = Table::new(columns(6));
     for k in 0..3 {
         let values: Vec<_> = (1..table.names().len()).map(|column| f64::from(k) + column as f64).collect();
         table.push(0.1 * f64::from(k), &values);

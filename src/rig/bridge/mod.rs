@@ -31,7 +31,8 @@ use super::config::Config;
 use super::controller::TensionController;
 use super::frame::{Frame, FrameKind, error_class};
 use crate::plan::ControllerOutputs;
-use crate::robot::{CABLES, Geometry, PerCable, Pose};
+use crate::rig::{CABLES, PerCable, six_of};
+use crate::robot::{Pose, Rig};
 
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +111,7 @@ struct DriveMonitor {
 #[derive(Clone, Debug)]
 pub struct Bridge {
     config: Config,
-    geometry: Geometry,
+    rig: Rig,
     home_length: PerCable<f64>,
     torque_frames: Vec<(usize, u16, [Option<usize>; 3])>,
     peers: Vec<Peer>,
@@ -154,7 +155,7 @@ pub struct Bridge {
 impl Bridge {
     /// Starts in [`State::Configuring`] with the first cycle.
     pub fn new(config: Config) -> Self {
-        let geometry = Geometry::new(&config.controller.robot);
+        let rig = config.controller.rig();
         let home = config.home;
         let peer = |node, bus, startup| Peer { node, bus, startup, heard: 0 };
         let mut peers: Vec<_> = (0..CABLES)
@@ -166,9 +167,9 @@ impl Bridge {
             }
         }
         Self {
-            home_length: geometry.cables(&home.position(), &home.rotation()).length,
+            home_length: six_of(&rig.cables_at(&home).length),
             torque_frames: config.torque_frames(),
-            geometry,
+            rig,
             peers,
             mode: Mode::Listening { since: 0 },
             time: 0,

@@ -5,8 +5,9 @@ use super::{Bridge, Fault, FrameQueue, Held, Mode, SafePull};
 use crate::rig::Nanoseconds;
 use crate::rig::cia402::DriveState;
 use crate::rig::config::SafeOutput;
-use crate::robot::dynamics::static_tensions;
-use crate::robot::{CABLES, PerCable, Pose};
+use crate::control::static_tensions;
+use crate::rig::{CABLES, PerCable, six_of};
+use crate::robot::Pose;
 
 impl Bridge {
     /// Takes in what the operator asks for at `now`.
@@ -206,7 +207,7 @@ impl Bridge {
     /// What carries the platform at rest at the last good pose, N, as far as cables can.
     fn gravity_hold(&self) -> PerCable<f64> {
         let controller = &self.config.controller;
-        let held = static_tensions(&controller.robot, &self.geometry, &self.pose).unwrap_or(self.certified);
+        let held = static_tensions(&self.rig, &self.pose, 0.0).map_or(self.certified, |held| six_of(&held));
         held.map(|tension| tension.clamp(0.0, controller.max_tension))
     }
 

@@ -6,14 +6,14 @@ use crate::rig::bus_load::torque_frame_bytes;
 use crate::rig::canopen::{NmtState, sync};
 use crate::rig::cia402::{Demand, DriveState};
 use crate::rig::frame::{Frame, FrameKind};
-use crate::robot::{CABLES, PerCable};
+use crate::rig::{CABLES, PerCable, six_of};
 
 impl Bridge {
     /// Tensions (N) and what is demanded of the drives.
     fn command(&mut self) -> (PerCable<f64>, Demand) {
         const NOTHING: PerCable<f64> = [0.0; CABLES];
         match self.mode {
-            Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| answer.motor_tension), Demand::Off),
+            Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| six_of(&answer.motor_tension)), Demand::Off),
             Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
                 (NOTHING, Demand::Off)
             }
@@ -26,7 +26,7 @@ impl Bridge {
             Mode::Enabled { since, from, lifted, .. } => {
                 let share = self.share(since, self.config.safe.ramp);
                 self.certified = match self.answer {
-                    Some(answer) if share == 1.0 => answer.motor_tension,
+                    Some(answer) if share == 1.0 => six_of(&answer.motor_tension),
                     _ => blend(&from, &lifted, share),
                 };
                 (self.certified, Demand::Keep)

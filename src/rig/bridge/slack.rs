@@ -5,7 +5,7 @@ use super::output::blend;
 use super::{Bridge, Fault, Mode};
 use crate::rig::Nanoseconds;
 use crate::rig::cia402::DriveState;
-use crate::robot::{CABLES, PerCable};
+use crate::rig::{CABLES, PerCable};
 
 /// To the pretension (0), then cable 1 to 6 pulls twice of it, then back to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

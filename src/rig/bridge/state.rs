@@ -9,7 +9,8 @@ use crate::plan::ControllerOutputs;
 use crate::rig::Nanoseconds;
 use crate::rig::canopen::Emergency;
 use crate::rig::cia402::DriveState;
-use crate::robot::{PerCable, Pose};
+use crate::rig::PerCable;
+use crate::robot::Pose;
 
 /// What the bridge is doing: docs/rig.md has the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

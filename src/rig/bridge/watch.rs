@@ -4,7 +4,8 @@ use super::{Bridge, Fault, Mode};
 use crate::plan::{ControllerInputs, Status};
 use crate::rig::TensionController;
 use crate::rig::cia402::DriveState;
-use crate::robot::{CABLES, PerCable, forward_kinematics};
+use crate::rig::{CABLES, PerCable};
+use crate::robot::forward_kinematics;
 
 impl Bridge {
     /// Encoders and load cells of this cycle.
@@ -90,7 +91,7 @@ impl Bridge {
         if !self.pending.is_empty() || !is_followed {
             return;
         }
-        match forward_kinematics(&self.geometry, &self.lengths(), &self.pose) {
+        match forward_kinematics(&self.rig, &self.lengths(), &self.pose) {
             Ok(found) => {
                 let angle = found.pose.angles().amax();
                 if angle <= self.config.limits.tilt {
@@ -116,11 +117,11 @@ impl Bridge {
         };
         let inputs = ControllerInputs {
             encoder_pose: self.pose,
-            cable_length: self.lengths(),
+            cable_length: self.lengths().into(),
             // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
             measured_tension: match self.mode {
-                Mode::Shadow { .. } => self.told,
-                _ => self.cells.map(|cell| cell.tension()),
+                Mode::Shadow { .. } => self.told.into(),
+                _ => self.cells.map(|cell| cell.tension()).into(),
             },
             goal_pose: if enable { self.goal } else { self.pose },
             enable,

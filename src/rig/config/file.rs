@@ -15,7 +15,8 @@ use super::{
 use crate::rig::canopen::{self, Node, Object, Value, Width};
 use crate::rig::cia402::Winch;
 use crate::rig::load_cell::{Encoding, LoadCell};
-use crate::robot::{CABLES, Coordinates, PerCable, Pose, RobotParameters};
+use crate::rig::{CABLES, PerCable};
+use crate::robot::{Coordinates, Pose, RobotParameters};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -283,7 +284,7 @@ fn controller(check: &Check, entry: &ControllerEntry) -> Result<ControllerConfig
         }
     }
     robot.validate().map_err(|error| {
-        let offset = entry.parameters.get(error.name).map_or(0, |value| value.span().start);
+        let offset = entry.parameters.get(&*error.name).map_or(0, |value| value.span().start);
         check.refuse(offset, &format!("controller.parameters.{}", error.name), error.value, error.allowed)
     })?;
     let parameters =

@@ -12,7 +12,8 @@ use super::Nanoseconds;
 use super::canopen::{Node, Object, Value};
 use super::cia402::Winch;
 use super::load_cell::LoadCell;
-use crate::robot::{PerCable, Pose, RobotParameters};
+use crate::rig::PerCable;
+use crate::robot::{Pose, Rig, RobotParameters, TensionLimits};
 
 /// Everything `can-bridge` is told of a rig.
 #[derive(Clone, Debug, PartialEq)]
@@ -208,6 +209,13 @@ pub struct ControllerConfig {
     pub robot: RobotParameters,
     /// The largest tension that it may ask for, N.
     pub max_tension: f64,
+}
+
+impl ControllerConfig {
+    /// The rig that these parameters describe.
+    pub fn rig(&self) -> Rig {
+        Rig::paper(&self.robot, TensionLimits { min: 0.0, max: self.max_tension })
+    }
 }
 
 /// A parameter of the FMU.

@@ -156,8 +156,7 @@ impl Bench {
 
 fn parameters(config: &Config) -> ControllerParameters {
     ControllerParameters {
-        robot: config.controller.robot,
-        max_tension: config.controller.max_tension,
+        rig: config.controller.rig(),
         pose_source: PoseSource::CableLengths,
         force_loop: true,
         ..ControllerParameters::default()

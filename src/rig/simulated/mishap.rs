@@ -8,7 +8,7 @@ use super::{CellFault, Link, LinkFaults, SimulatedRig};
 use crate::rig::Nanoseconds;
 use crate::rig::canopen::{NmtCommand, Object};
 use crate::rig::frame::Frame;
-use crate::robot::CABLES;
+use crate::rig::CABLES;
 
 /// The grammar, for people.
 pub const GRAMMAR: &str = "\

@@ -17,7 +17,8 @@ pub use node::{NodeFaults, SimulatedNode};
 use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
-use crate::robot::{CABLES, Geometry, ParameterError, PerCable};
+use crate::rig::{CABLES, PerCable, six_of};
+use crate::robot::ParameterError;
 use crate::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
@@ -62,16 +63,15 @@ impl SimulatedRig {
     /// [`ParameterError`] for an imperfection that makes no sense.
     pub fn new(config: Config, imperfections: PlantParameters) -> Result<Self, ParameterError> {
         let plant_parameters =
-            PlantParameters { robot: config.controller.robot, initial_pose: config.home, ..imperfections };
-        let plant = Plant::new(plant_parameters, &PlantInputs::default())?;
+            PlantParameters { rig: config.controller.rig(), initial_pose: config.home, ..imperfections };
+        let plant = Plant::new(plant_parameters, &PlantInputs::none(CABLES))?;
         let mut nodes: Vec<_> = config.load_cells.iter().map(|cell| cell.node).collect();
         nodes.dedup();
-        let cables =
-            Geometry::new(&plant_parameters.robot).cables(&config.home.position(), &config.home.rotation());
+        let cables = plant_parameters.rig.cables_at(&config.home);
         Ok(Self {
             drives: std::array::from_fn(|i| SimulatedDrive::new(&config, i)),
             cells: nodes.into_iter().map(|node| SimulatedCells::new(&config, node)).collect(),
-            home_length: cables.length,
+            home_length: six_of(&cables.length),
             config,
             plant_parameters,
             plant,
@@ -141,7 +141,7 @@ impl SimulatedRig {
     fn move_platform(&mut self, now: Nanoseconds) {
         let h = now.saturating_sub(self.time) as f64 * 1e-9;
         self.time = now;
-        let inputs = PlantInputs { motor_tension: self.motor_tension(), ..PlantInputs::default() };
+        let inputs = PlantInputs { motor_tension: self.motor_tension().into(), ..PlantInputs::none(CABLES) };
         if self.support == Support::Cables && h > 0.0 {
             let has_fallen = self.plant.step(&inputs, h).is_err()
                 || self.plant.outputs().encoder_pose.0[2] > self.config.home.0[2] + FLOOR;
@@ -160,11 +160,10 @@ impl SimulatedRig {
         if let Ok(plant) = Plant::new(PlantParameters { noise_seed, ..self.plant_parameters }, inputs) {
             self.plant = plant;
         }
-        let robot = &self.plant_parameters.robot;
-        let home = &self.config.home;
-        let cables = Geometry::new(robot).cables(&home.position(), &home.rotation());
+        let rig = &self.plant_parameters.rig;
+        let cables = rig.cables_at(&self.config.home);
         let lift = -cables.wrench(&inputs.motor_tension).0.z;
-        if lift >= LIFTS_AT * robot.m * robot.g {
+        if lift >= LIFTS_AT * rig.weight() {
             self.support = Support::Cables;
         }
     }

@@ -3,13 +3,12 @@
 use toml::Spanned;
 
 use super::{DriveEntry, File};
-use crate::plan::ControllerParameters;
 use crate::rig::canopen::{Node, Object};
 use crate::rig::cia402::{CONTROL_WORD, MAX_TORQUE, MODE, TARGET_TORQUE};
 use crate::rig::config::check::Check;
 use crate::rig::config::{Config, ConfigError, Parameter};
-use crate::robot::dynamics::static_tensions;
-use crate::robot::{CABLES, Geometry};
+use crate::control::static_tensions;
+use crate::rig::CABLES;
 
 /// Objects that the bridge sets itself; of the first ones every subindex.
 const OWN_INDICES: [u16; 6] = [0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00];
@@ -112,9 +111,9 @@ fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), Confi
     let controller = &config.controller;
     let least = match controller.parameters.get("minTension") {
         Some(Parameter::Number(least)) => *least,
-        _ => ControllerParameters::default().min_tension,
+        _ => 0.0,
     };
-    let tensions = static_tensions(&controller.robot, &Geometry::new(&controller.robot), &config.home);
+    let tensions = static_tensions(&controller.rig(), &config.home, 0.0);
     let limits = least..=controller.max_tension;
     if tensions.is_some_and(|tensions| tensions.iter().all(|tension| limits.contains(tension))) {
         return Ok(());
@@ -151,11 +150,10 @@ fn pretension_is_seen(check: &Check, file: &File, config: &Config) -> Result<(),
 
 /// With twice of it in one cable, neither `maxTension` nor the platform's weight is reached. N.
 fn greatest_pretension(config: &Config) -> f64 {
-    let (robot, home) = (&config.controller.robot, &config.home);
-    let cables = Geometry::new(robot).cables(&home.position(), &home.rotation());
-    let lift = cables.direction.map(|direction| -direction.z);
+    let rig = config.controller.rig();
+    let lift = rig.cables_at(&config.home).direction.map(|direction| -direction.z);
     let most = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
-    (0.5 * config.controller.max_tension).min(robot.m * robot.g / most)
+    (0.5 * config.controller.max_tension).min(rig.weight() / most)
 }
 
 /// The bridge's heartbeat comes with a cycle, and after a pause that it rides through the drives must still be there.
