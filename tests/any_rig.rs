@@ -54,7 +54,8 @@ fn every_public_rig_reaches_goals_inside_its_workspace_with_all_tensions_within_
 fn drive(name: &str, file: &RigFile, goal: &Pose) -> (f64, f64) {
     let RigFile { rig, home, lambda, eta, .. } = file;
     let planner = PlannerKind::Exact;
-    let parameters = ControllerParameters { lambda: *lambda, eta: *eta, planner, ..ControllerParameters::of(rig) };
+    let parameters =
+        ControllerParameters { lambda: *lambda, eta: *eta, planner, ..ControllerParameters::of(rig) };
     let cables = rig.cables.len();
     let plant = PlantParameters { rig: *rig, initial_pose: *home, ..PlantParameters::default() };
     let mut plant = Plant::new(plant, &PlantInputs::none(cables)).unwrap();

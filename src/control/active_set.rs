@@ -132,7 +132,8 @@ impl Programme<'_> {
         let mut worst: f64 = 0.0;
         for j in 0..active.count {
             let row = active.row[j];
-            change[j] = self.value(row, x) - self.rows[row].compliance * active.multiplier[j] - self.rows[row].bound;
+            change[j] =
+                self.value(row, x) - self.rows[row].compliance * active.multiplier[j] - self.rows[row].bound;
             worst = worst.max(change[j].abs());
         }
         if worst <= self.tolerance {
@@ -202,8 +203,8 @@ impl Programme<'_> {
         step.decrease = own - step.reduced[..count].iter().map(|y| y * y).sum::<f64>();
         let hard = |row: usize| self.rows[row].compliance == 0.0;
         let hard_ones = active.row[..count].iter().filter(|row| hard(**row)).count();
-        step.is_dependent = step.decrease <= DEPENDENT * self.largest_square()
-            || (hard(row) && hard_ones >= self.rank);
+        step.is_dependent =
+            step.decrease <= DEPENDENT * self.largest_square() || (hard(row) && hard_ones >= self.rank);
         self.add(&mut step.direction, row, 1.0);
         for j in 0..count {
             self.add(&mut step.direction, active.row[j], -step.exchange[j]);
@@ -305,7 +306,12 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Random half-spaces in `unknowns` dimensions, about every second of which holds the origin.
-    fn random(rng: &mut rand_pcg::Pcg64, unknowns: usize, count: usize, soft: bool) -> (Vec<Point>, Vec<Row>) {
+    fn random(
+        rng: &mut rand_pcg::Pcg64,
+        unknowns: usize,
+        count: usize,
+        soft: bool,
+    ) -> (Vec<Point>, Vec<Row>) {
         let normals: Vec<Point> = (0..count)
             .map(|_| std::array::from_fn(|k| if k < unknowns { rng.random_range(-1.0..1.0) } else { 0.0 }))
             .collect();
@@ -314,7 +320,11 @@ mod tests {
                 normal,
                 sign: if rng.random_range(0..2) == 0 { 1.0 } else { -1.0 },
                 bound: rng.random_range(-0.6..1.0),
-                compliance: if soft && normal % 2 == 0 { 10f64.powf(rng.random_range(-2.0..0.0)) } else { 0.0 },
+                compliance: if soft && normal % 2 == 0 {
+                    10f64.powf(rng.random_range(-2.0..0.0))
+                } else {
+                    0.0
+                },
             })
             .collect();
         (normals, rows)
@@ -348,7 +358,8 @@ mod tests {
         for case in 0..300 {
             let unknowns = 1 + case % 5;
             let (normals, rows) = random(&mut rng, unknowns, 3 + case % 6, case % 2 == 0);
-            let programme = Programme { unknowns, rank: unknowns, normals: &normals, rows: &rows, tolerance: 1e-13 };
+            let programme =
+                Programme { unknowns, rank: unknowns, normals: &normals, rows: &rows, tolerance: 1e-13 };
             let Outcome::Nearest(x) = programme.solve() else { continue };
             let multiplier = by_coordinate_ascent(&programme);
             let Some(multiplier) = multiplier else { continue };
@@ -369,7 +380,8 @@ mod tests {
         for case in 0..3000 {
             let unknowns = 1 + case % 5;
             let (normals, rows) = random(&mut rng, unknowns, 4 + case % 16, false);
-            let programme = Programme { unknowns, rank: unknowns, normals: &normals, rows: &rows, tolerance: 1e-12 };
+            let programme =
+                Programme { unknowns, rank: unknowns, normals: &normals, rows: &rows, tolerance: 1e-12 };
             match programme.solve() {
                 Outcome::Nearest(x) => {
                     solved += 1;

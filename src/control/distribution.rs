@@ -108,8 +108,10 @@ impl Solutions {
         let scale = |k: usize| if k < 3 { 1.0 } else { 1.0 / radius };
         let mut q = [[0.0; MOST_CABLES]; 6];
         let mut y = [0.0; 6];
-        let dot = |a: &[f64; MOST_CABLES], b: &[f64; MOST_CABLES]| (0..count).map(|i| a[i] * b[i]).sum::<f64>();
-        let largest = (0..6).flat_map(|k| columns.iter().map(move |c| (c[k] * scale(k)).abs())).fold(0.0, f64::max);
+        let dot =
+            |a: &[f64; MOST_CABLES], b: &[f64; MOST_CABLES]| (0..count).map(|i| a[i] * b[i]).sum::<f64>();
+        let largest =
+            (0..6).flat_map(|k| columns.iter().map(move |c| (c[k] * scale(k)).abs())).fold(0.0, f64::max);
         for k in 0..6 {
             for i in 0..count {
                 q[k][i] = columns[i][k] * scale(k);
@@ -194,9 +196,10 @@ impl Solutions {
             match self.solve(&self.least, limits, &rows[..2 * self.least.len()]) {
                 Outcome::Contradiction(multipliers) => {
                     // Normals add up to nothing, bounds to less; each bound grows as the margin shrinks.
-                    let (sum, bound) = multipliers.iter().fold((0.0, 0.0), |(sum, bound), (row, multiplier)| {
-                        (sum + multiplier, bound + multiplier * rows[row].bound)
-                    });
+                    let (sum, bound) =
+                        multipliers.iter().fold((0.0, 0.0), |(sum, bound), (row, multiplier)| {
+                            (sum + multiplier, bound + multiplier * rows[row].bound)
+                        });
                     let shortfall = -bound / sum;
                     if shortfall <= ROUNDING * scale {
                         return margin;
@@ -255,7 +258,9 @@ impl Solutions {
     fn refusal(&self, near: &PerCable<f64>, limits: &PerCable<TensionLimits>) -> (PerCable<f64>, f64) {
         let count = near.len();
         let mut weights = PerCable::filled(count, 0.0);
-        if let Outcome::Contradiction(multipliers) = self.solve(near, limits, &rows(near, limits, 0.0)[..2 * count]) {
+        if let Outcome::Contradiction(multipliers) =
+            self.solve(near, limits, &rows(near, limits, 0.0)[..2 * count])
+        {
             for (row, multiplier) in multipliers.iter() {
                 weights[row % count] += if row < count { -multiplier } else { multiplier };
             }
@@ -286,7 +291,8 @@ pub fn lipschitz(columns: &PerCable<Vector6<f64>>, radius: f64) -> f64 {
             continue;
         }
         let mut picked = (0..columns.len()).filter(|i| choice >> i & 1 == 1);
-        let matrix = Matrix6::from_columns(&std::array::from_fn::<_, 6, _>(|_| scaled[picked.next().unwrap_or(0)]));
+        let matrix =
+            Matrix6::from_columns(&std::array::from_fn::<_, 6, _>(|_| scaled[picked.next().unwrap_or(0)]));
         let smallest = matrix.singular_values().min();
         if smallest > RANK {
             bound = bound.max(1.0 / smallest);

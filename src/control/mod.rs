@@ -13,4 +13,4 @@ pub use estimator::Estimator;
 pub use force_loop::ForceLoop;
 pub use gains::Gains;
 pub use response::Response;
-pub use tensions::{static_margin, static_tensions, tensions};
+pub use tensions::{Barrier, barrier, static_margin, static_tensions, tensions};

@@ -216,10 +216,11 @@ impl Instance {
         reference: u32,
     ) -> Result<Scalar, FmiError> {
         let (function, model) = (function.name, self.model().identifier());
-        let scalar = self
-            .interface
-            .scalar(reference)
-            .ok_or(FmiError::UnknownReference { function, model, reference })?;
+        let scalar = self.interface.scalar(reference).ok_or(FmiError::UnknownReference {
+            function,
+            model,
+            reference,
+        })?;
         if handles(scalar.row.kind) {
             return Ok(scalar);
         }

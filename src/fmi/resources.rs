@@ -16,7 +16,8 @@ pub const RIG_FILE: &str = "rig.toml";
 pub fn interface(token: &str, resources: Option<&Path>) -> Result<Interface, FmiError> {
     let of_rig = match resources.map(|folder| folder.join(RIG_FILE)).filter(|path| path.exists()) {
         Some(path) => {
-            let rig = read(&path).map_err(|why| FmiError::Resource { path: path.display().to_string(), why })?;
+            let rig =
+                read(&path).map_err(|why| FmiError::Resource { path: path.display().to_string(), why })?;
             Some(MODELS.map(|model| Interface::of_rig(model, &rig)))
         }
         None => None,
@@ -37,7 +38,9 @@ fn read(path: &Path) -> Result<RigFile, String> {
 pub fn path_of_uri(uri: &str) -> Option<PathBuf> {
     let rest = uri.strip_prefix("file:")?;
     let path = match rest.strip_prefix("//") {
-        Some(behind) => behind.strip_prefix("localhost").filter(|path| path.starts_with('/')).unwrap_or(behind),
+        Some(behind) => {
+            behind.strip_prefix("localhost").filter(|path| path.starts_with('/')).unwrap_or(behind)
+        }
         None => rest,
     };
     let mut bytes = vec![];
@@ -61,7 +64,9 @@ mod tests {
 
     #[test]
     fn uris_of_all_importers_are_understood() {
-        for uri in ["file:///tmp/a%20b/resources", "file:/tmp/a b/resources", "file://localhost/tmp/a%20b/resources"] {
+        for uri in
+            ["file:///tmp/a%20b/resources", "file:/tmp/a b/resources", "file://localhost/tmp/a%20b/resources"]
+        {
             assert_eq!(path_of_uri(uri), Some(PathBuf::from("/tmp/a b/resources")), "{uri}");
         }
         assert_eq!(path_of_uri("file:///C:/fmu/resources"), Some(PathBuf::from("C:/fmu/resources")));

@@ -44,9 +44,18 @@ pub struct Search {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Stage {
     /// Halving the way from a pose to another for the last at which the robot can rest.
-    OnTheWay { from: Pose, to: Pose, below: f64, above: f64, left: i32 },
+    OnTheWay {
+        from: Pose,
+        to: Pose,
+        below: f64,
+        above: f64,
+        left: i32,
+    },
     /// Going nearer over tangents.
-    Nearing { reach: f64, left: usize },
+    Nearing {
+        reach: f64,
+        left: usize,
+    },
     Ended,
 }
 
@@ -105,6 +114,15 @@ impl Planner {
         let gravity = self.rig().gravity;
         let free = if gravity.x == 0.0 && gravity.y == 0.0 { 2 } else { 3 };
         Some(Search { goal: *goal, at: middle, target, free, stage: on_the_way(&middle, &aim) })
+    }
+
+    /// The whole search at once: where `Exact` makes for from rest at `from`.
+    pub fn exact_aim(&self, from: &Pose, goal: &Pose) -> Pose {
+        let mut search = self.search(from, goal);
+        while !search.has_ended() {
+            self.advance(&mut search, WORK);
+        }
+        search.at
     }
 
     /// Goes on with the search, for no more than `work`.
@@ -214,16 +232,6 @@ fn within(from: &Pose, goal: &Pose, far: f64) -> Pose {
     near
 }
 
-/// The whole search at once.
-#[cfg(test)]
-pub(super) fn aim_of(planner: &Planner, from: &Pose, goal: &Pose) -> Pose {
-    let mut search = planner.search(from, goal);
-    while !search.has_ended() {
-        planner.advance(&mut search, WORK);
-    }
-    search.at
-}
-
 #[cfg(test)]
 mod tests {
     use rand::{RngExt, SeedableRng};
@@ -252,7 +260,7 @@ mod tests {
             (15.0, Pose::at(3.0, 2.0, 0.9)),
         ] {
             let planner = planner(max);
-            let aim = aim_of(&planner, &Pose::default(), &goal);
+            let aim = planner.exact_aim(&Pose::default(), &goal);
             let kept = 2.0 * planner.allowance();
             assert!(planner.rests_at(&aim, kept), "{aim:?}");
             let mut nearest = f64::INFINITY;
@@ -298,7 +306,7 @@ mod tests {
             turned(-0.104, -0.22247706, 0.3, -0.0099, -0.0099, -0.0099),
         ] {
             let planner = planner(100.0);
-            is_nearest(&planner, &aim_of(&planner, &Pose::default(), &goal), &goal, 6, 2e-4);
+            is_nearest(&planner, &planner.exact_aim(&Pose::default(), &goal), &goal, 6, 2e-4);
         }
     }
 
@@ -307,11 +315,11 @@ mod tests {
         let file = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
         let planner = Planner::from(ControllerParameters::of(&file.rig));
         for goal in [Pose::at(2.5, 0.3, 2.0), Pose::at(0.0, 2.0, 1.0), Pose::at(-3.0, -2.0, 1.6)] {
-            let aim = aim_of(&planner, &file.home, &goal);
+            let aim = planner.exact_aim(&file.home, &goal);
             assert!(is_upright(&aim), "{aim:?}");
             is_nearest(&planner, &aim, &goal, 3, 2e-3);
         }
         let goal = turned(1.0, 0.5, 2.0, 0.2, 0.9, -0.4);
-        is_nearest(&planner, &aim_of(&planner, &file.home, &goal), &goal, 6, 5e-3);
+        is_nearest(&planner, &planner.exact_aim(&file.home, &goal), &goal, 6, 5e-3);
     }
 }

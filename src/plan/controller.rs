@@ -266,7 +266,13 @@ impl Controller {
 
     fn situation(&self) -> Situation<'_> {
         let Estimator { pose, rates } = &self.estimator;
-        Situation { pose, rates, set_point: &self.outputs.set_point, hold: self.hold, rest: self.planner.rest }
+        Situation {
+            pose,
+            rates,
+            set_point: &self.outputs.set_point,
+            hold: self.hold,
+            rest: self.planner.rest,
+        }
     }
 
     fn is_steady(&self) -> bool {

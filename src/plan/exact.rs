@@ -71,13 +71,7 @@ impl Planner {
 
     /// Whether the certificate proves the step to `set_point` with `least` (N) to spare, and with what holding the commands may cost.
     /// Undecided is no, also for want of `spans`. The pitch must stay where the angles tell the orientation.
-    pub(super) fn is_proved(
-        &self,
-        now: &Situation,
-        set_point: &Pose,
-        least: f64,
-        spans: &mut usize,
-    ) -> bool {
+    pub(super) fn is_proved(&self, now: &Situation, set_point: &Pose, least: f64, spans: &mut usize) -> bool {
         let gains = self.parameters.gains();
         let error = now.pose.minus(set_point)[PITCH];
         let pitch = Curve { a: set_point.0[PITCH], b: error, c: now.rates[PITCH], d: 0.0 }.extremes(&gains);
@@ -85,11 +79,9 @@ impl Planner {
             return false;
         }
         let step = Step { start: *now.pose, rates: *now.rates, set_point: *set_point, gains };
-        let mut range = |spare: f64| {
-            match certify_within(self.rig(), &self.limits(spare), &step, spans) {
-                Ok(Verdict::Admissible { least, greatest }) => Some(greatest - least),
-                _ => None,
-            }
+        let mut range = |spare: f64| match certify_within(self.rig(), &self.limits(spare), &step, spans) {
+            Ok(Verdict::Admissible { least, greatest }) => Some(greatest - least),
+            _ => None,
         };
         let Some(range_seen) = range(least) else { return false };
         let held = SPARE_HELD * (gains.lambda + gains.eta) * now.hold * range_seen;
@@ -114,7 +106,6 @@ impl Way<'_> {
 mod tests {
     use super::super::interface::{ControllerParameters, PlannerKind};
     use super::*;
-    use crate::plan::aim::aim_of;
     use crate::robot::Coordinates;
 
     fn planner() -> Planner {
@@ -171,7 +162,7 @@ mod tests {
             assert!(!planner.is_reachable(&start, &goal), "{goal:?}");
         }
         // Tensions vanish at π/3; here 0.2 N are left.
-        let aim = aim_of(&planner, &start, &yaw(1.1));
+        let aim = planner.exact_aim(&start, &yaw(1.1));
         let kept = 2.0 * planner.allowance();
         assert!(planner.rests_at(&aim, kept) && !planner.rests_at(&yaw(aim.0[5] + 1e-9), kept), "{aim:?}");
     }

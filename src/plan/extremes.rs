@@ -40,7 +40,8 @@ pub fn extremes(rig: &Rig, gains: &Gains, from: &Pose, to: &Pose) -> Option<Extr
         let tension = tensions(rig, &pose, &rates, &acceleration, 0.0)?;
         for (i, tension) in tension.into_iter().enumerate() {
             let here = TensionAt { cable: i + 1, tension, time, pose };
-            let outside = (tension <= rig.cables[i].limits.min || tension > rig.cables[i].limits.max).then_some(here);
+            let outside =
+                (tension <= rig.cables[i].limits.min || tension > rig.cables[i].limits.max).then_some(here);
             let Some(so_far) = &mut found else {
                 found = Some(Extremes { smallest: here, greatest: here, first_outside: outside });
                 continue;

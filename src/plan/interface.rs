@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::control::Gains;
 use crate::robot::parameters::require;
-use crate::robot::{
-    Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits,
-};
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
 
 /// How the next set point is found. The numbers are the FMU's enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -240,7 +238,10 @@ mod tests {
         assert!(broken(|p| p.eta = -2.0).contains("parameter eta = -2"));
         assert!(broken(|p| p.bisection_steps = 0).contains("parameter bisectionSteps = 0"));
         assert!(broken(|p| p.planner_period = 0.0).contains("parameter plannerPeriod = 0"));
-        assert!(broken(|p| p.rig = p.rig.with_limits(TensionLimits { min: -1.0, max: 1.0 })).contains("parameter minTension = -1"));
+        assert!(
+            broken(|p| p.rig = p.rig.with_limits(TensionLimits { min: -1.0, max: 1.0 }))
+                .contains("parameter minTension = -1")
+        );
         assert!(broken(|p| p.rig.cables[2].limits.min = 200.0).contains("parameter maxTension[3] = 100"));
         assert!(broken(|p| p.position_tolerance = -1.0).contains("parameter positionTolerance = -1"));
         assert_eq!(ControllerParameters::default().validate(), Ok(()));

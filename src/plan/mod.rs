@@ -1,6 +1,6 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
-pub mod aim;
+mod aim;
 pub mod bisection;
 mod bounded;
 pub mod controller;
@@ -15,6 +15,6 @@ mod tangents;
 
 pub use controller::Controller;
 pub use interface::{
-    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
+    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Rest, Status,
 };
 pub use planner::Planner;

@@ -56,7 +56,9 @@ impl Situation<'_> {
         let turning = self.rates.fixed_rows::<3>(3).amax();
         turning < self.rest.angle
             && is_upright(&shape.to_paper(goal))
-            && [self.pose, self.set_point].into_iter().all(|pose| tilt(&shape.to_paper(pose)) < self.rest.angle)
+            && [self.pose, self.set_point]
+                .into_iter()
+                .all(|pose| tilt(&shape.to_paper(pose)) < self.rest.angle)
     }
 }
 
@@ -111,8 +113,15 @@ impl Planner {
         }
     }
 
+    /// The set point to give to a robot that rests at `from`.
+    pub fn next_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Pose> {
+        let rates = Coordinates::zeros();
+        let now = Situation { pose: from, rates: &rates, set_point: from, hold: 0.0, rest: self.rest };
+        self.next_set_point(&now, goal)
+    }
+
     /// Whether there is a set point that is not given yet, but will be when the robot has come closer to rest.
-    pub fn waits(&self, now: &Situation, goal: &Pose) -> bool {
+    pub(super) fn waits(&self, now: &Situation, goal: &Pose) -> bool {
         self.parameters.planner == PlannerKind::Bounded && self.bounded(now.set_point, goal).is_some()
     }
 
@@ -130,11 +139,14 @@ impl Planner {
         self.margin_at(pose) > allowance
     }
 
+    /// Whether poses so far from the rig are looked at.
+    pub fn is_near(&self, pose: &Pose) -> bool {
+        (pose.position() - self.middle).amax() <= self.far
+    }
+
     /// How far inside its limits every tension can be at rest, N; less than nothing where the robot cannot be at rest.
     pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
-        let is_sensible = self.rig().can_be_at(pose)
-            && (pose.position() - self.middle).amax() <= self.far
-            && pose.0[PITCH].abs() < STEEPEST;
+        let is_sensible = self.rig().can_be_at(pose) && self.is_near(pose) && pose.0[PITCH].abs() < STEEPEST;
         if is_sensible { static_margin(self.rig(), pose) } else { f64::NEG_INFINITY }
     }
 

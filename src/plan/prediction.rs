@@ -57,7 +57,9 @@ mod tests {
         let rig = RigFile::default().rig;
         let gains = Gains { lambda: 3.0, eta: 3.0 };
         let (start, goal) = (Pose::default(), Pose::at(0.15, 0.15, 1.0));
-        let of = |goal: &Pose, time| Prediction::new(&rig, &gains, (&start, &Coordinates::zeros()), goal, time, 0.0);
+        let of = |goal: &Pose, time| {
+            Prediction::new(&rig, &gains, (&start, &Coordinates::zeros()), goal, time, 0.0)
+        };
         let prediction = of(&goal, 2.0);
         // NOTES.md: the one-step move is admissible with a margin of 1.05 N, though (15) cannot tell.
         assert!((prediction.smallest_from(2.0) - 1.050).abs() < 1e-3, "{prediction:?}");

@@ -89,7 +89,11 @@ impl Tangents {
         let target = target * (FARTHEST / target.norm()).min(1.0);
         // In units of the reach: x = (y - target, SHARING z/weight).
         let unit = planner.rig().weight() / (SHARING * reach);
-        let mut rows = Rows { normals: [[0.0; MOST_UNKNOWNS]; MOST_NORMALS], rows: [Row::default(); MOST_NORMALS], count: 0 };
+        let mut rows = Rows {
+            normals: [[0.0; MOST_UNKNOWNS]; MOST_NORMALS],
+            rows: [Row::default(); MOST_NORMALS],
+            count: 0,
+        };
         let mut add = |row: &Vector6<f64>, shares: &dyn Fn(usize) -> f64, low: f64, high: f64| {
             let in_y = self.lower.solve_lower_triangular(row).unwrap_or(*row);
             let mut normal = [0.0; MOST_UNKNOWNS];
@@ -116,7 +120,8 @@ impl Tangents {
         }
         let unknowns = self.free + self.sharing.len();
         let (normals, rows) = (&rows.normals[..rows.count / 2], &rows.rows[..rows.count]);
-        let Outcome::Nearest(x) = (Programme { unknowns, rank: unknowns, normals, rows, tolerance: TOLERANCE }).solve()
+        let Outcome::Nearest(x) =
+            (Programme { unknowns, rank: unknowns, normals, rows, tolerance: TOLERANCE }).solve()
         else {
             return None;
         };
@@ -128,7 +133,8 @@ impl Tangents {
     /// L⁻¹J'r/n.
     fn towards(&self, planner: &Planner, goal: &Pose) -> Vector6<f64> {
         let ways = planner.ways(&self.at, goal);
-        let along = |k: usize| ways.iter().zip(&self.slopes[k]).map(|(way, slope)| way.dot(slope)).sum::<f64>();
+        let along =
+            |k: usize| ways.iter().zip(&self.slopes[k]).map(|(way, slope)| way.dot(slope)).sum::<f64>();
         let target = Vector6::from_fn(|k, _| if k < self.free { along(k) / ways.len() as f64 } else { 0.0 });
         self.lower.solve_lower_triangular(&target).unwrap_or(target)
     }

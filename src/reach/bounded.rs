@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::HalfPlane;
 use crate::control::Gains;
-use crate::robot::triangles::{FACET_NORMALS, SIX};
 use crate::robot::RobotParameters;
+use crate::robot::triangles::{FACET_NORMALS, SIX};
 
 /// Set points x_d that a step from rest at x₀ (height z_c and zero orientation kept) may be given.
 ///

@@ -191,8 +191,8 @@ fn crossing(s: f64, inside: f64, outside: f64, aim: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::control::Response;
-    use crate::reach::{BoundedDomain, in_static_workspace};
     use crate::control::tensions;
+    use crate::reach::{BoundedDomain, in_static_workspace};
     use crate::robot::{Coordinates, PerCable, Pose, Rig};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;

@@ -246,7 +246,10 @@ mod tests {
         assert!(infinite[0] > 10.0 && infinite[3] < 0.0, "{infinite:?}");
         for max in [1e5, 1e8, 1e13] {
             for (found, expected) in with(max).iter().zip(infinite) {
-                assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{max}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-9 * (1.0 + expected.abs()),
+                    "{max}: {found} {expected}"
+                );
             }
         }
     }

@@ -19,8 +19,8 @@ pub fn in_static_workspace(robot: &RobotParameters, point: &Vector2<f64>) -> boo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reach::polygon;
     use crate::control::static_tensions;
+    use crate::reach::polygon;
     use crate::robot::{Pose, Rig, TensionLimits};
     use rand::{RngExt, SeedableRng};
 

@@ -147,7 +147,8 @@ impl Rows {
         let run = &history.run;
         let of = |column: &[f64], steps| drawn.iter().map(|row| rounded(column[*row], steps)).collect();
         let points: Vec<_> = drawn.iter().map(|row| explanation::moving_point(history, *row)).collect();
-        let mask = |row: &usize| (0..run.slack.len()).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
+        let mask =
+            |row: &usize| (0..run.slack.len()).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
         let newtons = |u: Vec<Option<f64>>| u.iter().map(|u| u.map(|u| rounded(u, NEWTON))).collect();
         let cables = run.tension.len();
         Self {

@@ -88,8 +88,7 @@ mod tests {
         let gains = folder.info.controller_parameters.gains();
         let robot = crate::robot::RobotParameters::default();
         let from = Vector3::new(0.05, -0.02, 1.0);
-        let domain =
-            ExactDomain::new(&robot, &gains, NEVER_SLACK, from, Vector3::zeros());
+        let domain = ExactDomain::new(&robot, &gains, NEVER_SLACK, from, Vector3::zeros());
         for point in rays(&domain, &from, 0.9).unwrap() {
             let slack =
                 domain.half_planes().iter().map(|h| h.slack(&point.into())).fold(f64::INFINITY, f64::min);

@@ -107,8 +107,7 @@ mod tests {
         let mut worst = 0f64;
         for row in rows {
             let tension = predicted[row].unwrap();
-            worst =
-                (0..6).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(worst, f64::max);
+            worst = (0..6).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(worst, f64::max);
         }
         assert!(worst < 0.05, "{worst} N apart");
     }

@@ -28,10 +28,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
         ("Controller", model(&info.controller)),
         ("Plant", model(&info.plant)),
         ("Rig", info.rig.clone()),
-        (
-            "Robot",
-            robot(history),
-        ),
+        ("Robot", robot(history)),
         (
             "Law (4)",
             format!(
@@ -109,7 +106,8 @@ fn robot(history: &History) -> String {
 /// The limits of all cables, the tightest where they differ.
 pub fn limits(rig: &Rig) -> String {
     let common = rig.common_limits();
-    let differ = if rig.limits().iter().all(|limits| *limits == common) { "" } else { ", the tightest of all cables" };
+    let differ =
+        if rig.limits().iter().all(|limits| *limits == common) { "" } else { ", the tightest of all cables" };
     match common.max.is_finite() {
         true => format!("{} to {} N{differ}", common.min, common.max),
         false => format!("{} N and more{differ}", common.min),

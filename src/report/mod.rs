@@ -6,7 +6,7 @@ mod closed_loop;
 mod data;
 mod domains;
 mod explanation;
-mod facts;
+pub mod facts;
 pub mod files;
 mod history;
 mod page;

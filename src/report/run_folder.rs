@@ -13,8 +13,8 @@ use super::Run;
 use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use crate::plan::ControllerParameters;
-use crate::robot::parameters::require;
 use crate::robot::ParameterError;
+use crate::robot::parameters::require;
 use crate::sim::PlantParameters;
 
 /// Number of the format that this program writes and reads.

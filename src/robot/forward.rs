@@ -68,7 +68,8 @@ pub fn forward_kinematics(rig: &Rig, length: &[f64], guess: &Pose) -> Result<For
         });
         let inverse = pseudo_inverse(&rows).ok_or(ForwardError::Singular)?;
         let misfit = PerCable::from_fn(rows.len(), |i| length[i] - cables.length[i]);
-        let step = inverse.iter().zip(misfit).fold(Vector6::zeros(), |sum, (column, misfit)| sum + column * misfit);
+        let step =
+            inverse.iter().zip(misfit).fold(Vector6::zeros(), |sum, (column, misfit)| sum + column * misfit);
         let eta = step.norm();
         if !eta.is_finite() {
             return Err(ForwardError::Singular);
@@ -76,7 +77,8 @@ pub fn forward_kinematics(rig: &Rig, length: &[f64], guess: &Pose) -> Result<For
         position += step.fixed_rows::<3>(0);
         rotation = Rotation3::from_scaled_axis(step.fixed_rows::<3>(3) / radius) * rotation;
         if eta < STEP_TOLERANCE {
-            let shortest = cables.free.iter().copied().fold(f64::INFINITY, f64::min) - 2.0 * 2f64.sqrt() * eta;
+            let shortest =
+                cables.free.iter().copied().fold(f64::INFINITY, f64::min) - 2.0 * 2f64.sqrt() * eta;
             let lipschitz = (rows.len() as f64).sqrt() * (2.0 / shortest + 1.0 / radius);
             let beta = inverse.iter().map(Vector6::norm_squared).sum::<f64>().sqrt();
             let belongs = rows.len() == LEAST_CABLES || misfit.iter().all(|m| m.abs() <= MISFIT * radius);

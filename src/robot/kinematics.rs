@@ -37,7 +37,8 @@ impl Rig {
                 }
                 Some(pulley) => {
                     let run = pulley.run(&-along);
-                    (cables.direction[i], cables.free[i], cables.length[i]) = (run.direction, run.free, run.length);
+                    (cables.direction[i], cables.free[i], cables.length[i]) =
+                        (run.direction, run.free, run.length);
                 }
             }
         }

@@ -66,7 +66,9 @@ mod tests {
             // Where it leaves is on the wheel: its distance from the centre is the radius, at right angles to the cable.
             let sideways = (at - axis * at.dot(&axis)).normalize();
             let from_centre = at + run.direction * run.free - sideways * 0.1;
-            assert!((from_centre.norm() - 0.1).abs() < 1e-14 && from_centre.dot(&run.direction).abs() < 1e-14);
+            assert!(
+                (from_centre.norm() - 0.1).abs() < 1e-14 && from_centre.dot(&run.direction).abs() < 1e-14
+            );
         }
     }
 
@@ -75,7 +77,9 @@ mod tests {
         let pulley = Pulley { radius: 0.1, axis: Vector3::new(0.0, 0.0, -1.0) };
         let run = pulley.run(&Vector3::new(0.2, 0.0, 1.5));
         assert!((run.direction - Vector3::new(0.0, 0.0, -1.0)).norm() < 1e-15);
-        assert!((run.free - 1.5).abs() < 1e-15 && (run.length - 1.5 - 0.1 * std::f64::consts::PI).abs() < 1e-15);
+        assert!(
+            (run.free - 1.5).abs() < 1e-15 && (run.length - 1.5 - 0.1 * std::f64::consts::PI).abs() < 1e-15
+        );
     }
 
     #[test]

@@ -155,7 +155,10 @@ impl Rig {
     /// Limits that are within those of every cable.
     pub fn common_limits(&self) -> TensionLimits {
         let all = TensionLimits::default();
-        let both = |a: TensionLimits, b: TensionLimits| TensionLimits { min: a.min.max(b.min), max: a.max.min(b.max) };
+        let both = |a: TensionLimits, b: TensionLimits| TensionLimits {
+            min: a.min.max(b.min),
+            max: a.max.min(b.max),
+        };
         self.cables.iter().fold(all, |common, cable| both(common, cable.limits))
     }
 
@@ -193,11 +196,21 @@ impl Rig {
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let count = self.cables.len() as f64;
-        require(count >= LEAST_CABLES as f64, "cables", count, "at least 6 are needed to hold a body in space")?;
+        require(
+            count >= LEAST_CABLES as f64,
+            "cables",
+            count,
+            "at least 6 are needed to hold a body in space",
+        )?;
         for (i, cable) in self.cables.iter().enumerate() {
             for (end, point) in [("anchor", &cable.anchor), ("attachment", &cable.attachment)] {
                 for (axis, value) in ["x", "y", "z"].into_iter().zip(point.iter()) {
-                    require(value.is_finite(), format!("{end}[{}].{axis}", i + 1), *value, "must be finite (m)")?;
+                    require(
+                        value.is_finite(),
+                        format!("{end}[{}].{axis}", i + 1),
+                        *value,
+                        "must be finite (m)",
+                    )?;
                 }
             }
         }

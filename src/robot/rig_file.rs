@@ -61,9 +61,7 @@ pub enum RigFileError {
         count: usize,
     },
     /// No cable pulls against gravity.
-    #[error(
-        "line {line}: home lies above every anchor: no cable can hold the platform there. {hint}"
-    )]
+    #[error("line {line}: home lies above every anchor: no cable can hold the platform there. {hint}")]
     AboveAnchors {
         /// Line of `home`.
         line: usize,
@@ -312,7 +310,8 @@ impl Check<'_> {
         };
         let off = self.vector(off_diagonal, "platform.inertia_off_diagonal")?;
         let tensor = Matrix3::new(xx, off.x, off.y, off.x, yy, off.z, off.y, off.z, zz);
-        let allowed = "with platform.inertia it must make a tensor whose principal moments are greater than 0 (kg m²)";
+        let allowed =
+            "with platform.inertia it must make a tensor whose principal moments are greater than 0 (kg m²)";
         let (ok, at) = (tensor.cholesky().is_some(), off_diagonal.span().start);
         self.require(ok, at, "platform.inertia_off_diagonal[1]", off.x, allowed)?;
         Ok(tensor)
@@ -345,7 +344,12 @@ impl Check<'_> {
     }
 
     /// A cable's own limits, or else those of all.
-    fn limits(&self, cable: &CableEntry, tension: &Tension, name: &str) -> Result<TensionLimits, RigFileError> {
+    fn limits(
+        &self,
+        cable: &CableEntry,
+        tension: &Tension,
+        name: &str,
+    ) -> Result<TensionLimits, RigFileError> {
         let named = |own: &Option<Spanned<f64>>, field: &str| match own {
             Some(_) => format!("{name}.{field}_tension"),
             None => format!("tension.{field}"),
@@ -431,7 +435,10 @@ mod tests {
         let mass = refusal("mass = 6.0", "mass = -6.0");
         assert!(mass.starts_with(&format!("line {}: platform.mass = -6", line("mass"))), "{mass}");
         let swapped = refusal("max = 100.0", "max = -1.0");
-        assert!(swapped.contains("tension.max = -1 is not allowed: must be greater than the least"), "{swapped}");
+        assert!(
+            swapped.contains("tension.max = -1 is not allowed: must be greater than the least"),
+            "{swapped}"
+        );
         let push = refusal("min = 0.0", "min = -0.5");
         assert!(push.contains("tension.min = -0.5"), "{push}");
         let nan = refusal("anchor = [-0.519", "anchor = [nan, 0.0, 0.0] #");

@@ -93,15 +93,15 @@ impl Shape {
             (None, Some(Fit { misfit: Misfit { end, cable, distance }, .. })) => {
                 Err(OtherShape::Elsewhere { end, cable: cable + 1, distance: *distance })
             }
-            (None, None) => {
-                Err(OtherShape::Elsewhere { end: "anchor", cable: 1, distance: rig.radius() })
-            }
+            (None, None) => Err(OtherShape::Elsewhere { end: "anchor", cable: 1, distance: rig.radius() }),
         }
     }
 
     /// Whether the rig stands as the paper's does, so that poses are the same in both frames.
     pub fn is_in_place(&self) -> bool {
-        self.base.origin == Vector3::zeros() && self.base.rotation == Rotation3::identity() && self.is_parallel()
+        self.base.origin == Vector3::zeros()
+            && self.base.rotation == Rotation3::identity()
+            && self.is_parallel()
     }
 
     /// A pose of the rig's frame in the paper's.
@@ -134,7 +134,11 @@ impl Shape {
     /// The velocity of the centre of mass in the paper's frame, m/s, of rates in the rig's.
     pub fn velocity(&self, rates: &Coordinates) -> Vector3<f64> {
         let velocity = rates.fixed_rows::<3>(0).into_owned();
-        if self.base.rotation == Rotation3::identity() { velocity } else { self.base.rotation.inverse() * velocity }
+        if self.base.rotation == Rotation3::identity() {
+            velocity
+        } else {
+            self.base.rotation.inverse() * velocity
+        }
     }
 
     /// A point of the paper's base frame in the rig's, m.
@@ -158,9 +162,10 @@ fn as_it_stands(rig: &Rig) -> Option<Shape> {
     let written = |value: f64| (value * DECIMALS).round() / DECIMALS;
     let same = |a: f64, b: f64| {
         let ends = triangles::ends(a, b);
-        rig.cables.iter().zip(ends).all(|(cable, (anchor, attachment))| {
-            cable.anchor == anchor && cable.attachment == attachment
-        })
+        rig.cables
+            .iter()
+            .zip(ends)
+            .all(|(cable, (anchor, attachment))| cable.anchor == anchor && cable.attachment == attachment)
     };
     let near = |value: f64| [written(value), value, value.next_up(), value.next_down()];
     let down = rig.gravity.x == 0.0 && rig.gravity.y == 0.0 && rig.gravity.z > 0.0;
@@ -255,12 +260,14 @@ fn fit(rig: &Rig, base: Frame, order: [usize; SIX]) -> Option<Fit> {
         let b = (0..SIX).map(along).sum::<f64>() / SIX as f64 * 0.5 * 3f64.sqrt();
         let places = triangles::ends(a, b);
         let far = |i: usize| {
-            let at_anchor = Misfit { end: "anchor", cable: order[i], distance: (anchor(i) - places[i].0).norm() };
+            let at_anchor =
+                Misfit { end: "anchor", cable: order[i], distance: (anchor(i) - places[i].0).norm() };
             let distance = (attachment(i) - platform * places[i].1).norm();
             [at_anchor, Misfit { end: "attachment", cable: order[i], distance }]
         };
         let misfit = (0..SIX).flat_map(far).max_by(|x, y| x.distance.total_cmp(&y.distance))?;
-        let shape = Shape { robot: table(rig, a, b, &platform), residual: misfit.distance, order, base, platform };
+        let shape =
+            Shape { robot: table(rig, a, b, &platform), residual: misfit.distance, order, base, platform };
         (a > 0.0 && b > 0.0).then_some(Fit { shape, misfit })
     };
     let parallel = of(base.rotation);

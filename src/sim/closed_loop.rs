@@ -127,7 +127,9 @@ impl<'a> ClosedLoop<'a> {
         mut controller: Box<dyn ControllerModel + 'a>,
         mut plant: Box<dyn PlantModel + 'a>,
     ) -> Result<Self, SimulationError> {
-        let hanging = plant.start(&PlantInputs::none(scenario.plant.rig.cables.len())).map_err(stopped("plant", 0.0))?;
+        let hanging = plant
+            .start(&PlantInputs::none(scenario.plant.rig.cables.len()))
+            .map_err(stopped("plant", 0.0))?;
         let read = inputs(&hanging, scenario.goal_at(0.0));
         let answer = controller.start(&read).map_err(stopped("controller", 0.0))?;
         let pull = pull(scenario, 0.0, &answer);
@@ -174,7 +176,8 @@ impl<'a> ClosedLoop<'a> {
 /// # Errors
 /// [`SimulationError`] with the parameter that makes no sense.
 pub fn library_plant(scenario: &Scenario) -> Result<Plant, SimulationError> {
-    Plant::new(scenario.plant, &PlantInputs::none(scenario.plant.rig.cables.len())).map_err(stopped("plant", 0.0))
+    Plant::new(scenario.plant, &PlantInputs::none(scenario.plant.rig.cables.len()))
+        .map_err(stopped("plant", 0.0))
 }
 
 /// The library's controller at the start of a scenario.

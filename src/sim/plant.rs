@@ -11,7 +11,8 @@ use super::body::{self, Body, State};
 use super::integrator::integrate;
 use crate::robot::parameters::require;
 use crate::robot::{
-    Cables, Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
+    Cables, Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, TensionLimits,
+    forward_kinematics,
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
@@ -67,7 +68,11 @@ impl PlantInputs {
     /// Nothing pulls and nothing disturbs.
     pub fn none(cables: usize) -> Self {
         let none = Vector3::zeros();
-        Self { motor_tension: PerCable::filled(cables, 0.0), disturbance_force: none, disturbance_torque: none }
+        Self {
+            motor_tension: PerCable::filled(cables, 0.0),
+            disturbance_force: none,
+            disturbance_torque: none,
+        }
     }
 }
 
@@ -120,7 +125,9 @@ impl PlantParameters {
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
         self.rig.validate()?;
-        for (axis, value) in ["x", "y", "z", "roll", "pitch", "yaw"].into_iter().zip(self.initial_pose.0.iter()) {
+        for (axis, value) in
+            ["x", "y", "z", "roll", "pitch", "yaw"].into_iter().zip(self.initial_pose.0.iter())
+        {
             require(value.is_finite(), format!("initialPose.{axis}"), *value, "must be finite")?;
         }
         let allowed = "no cable could pull against gravity there: the platform must hang below an anchor (m)";

@@ -4,15 +4,12 @@ use cable_robot::plan::PlannerKind;
 use cable_robot::robot::{Coordinates, Pose};
 use clap::ValueEnum;
 
-/// Reads `x,y,z` or `x,y,z,roll,pitch,yaw`, below the base.
+/// Reads `x,y,z` or `x,y,z,roll,pitch,yaw`.
 pub fn pose(text: &str) -> Result<Pose, String> {
     let numbers = numbers(text)?;
     if numbers.len() != 3 && numbers.len() != 6 {
         let count = numbers.len();
         return Err(format!("{count} numbers given; a pose is x,y,z (m) or x,y,z,roll,pitch,yaw (m, rad)"));
-    }
-    if numbers[2] <= 0.0 {
-        return Err(format!("z = {}: z points down, a pose below the base has z > 0 (m)", numbers[2]));
     }
     numbers[3..].iter().try_for_each(|angle| radians(*angle))?;
     let mut pose = Coordinates::zeros();

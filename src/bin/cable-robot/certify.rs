@@ -3,7 +3,7 @@
 use anyhow::Result;
 use cable_robot::control::Gains;
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
-use cable_robot::robot::{CABLES, Coordinates, Pose};
+use cable_robot::robot::{Coordinates, LEAST_CABLES, Pose};
 use clap::Args;
 use serde_json::json;
 
@@ -66,7 +66,7 @@ impl Certify {
         if self.json {
             self.show_json(&verdict)?
         } else {
-            self.show(&verdict, file.rig.anchors.len() > CABLES)?
+            self.show(&verdict, file.rig.cables.len() > LEAST_CABLES)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }
@@ -147,7 +147,7 @@ fn in_words(cause: Cause) -> &'static str {
             "the wrench matrix is singular, or nearly so; there is a force or torque that no tensions give"
         }
         Cause::TooClose => "a tension comes nearer to its limit than rounding or the margins allow to tell",
-        Cause::Solver => "clarabel found no tensions to look at",
+        Cause::Effort => "the work that is allowed did not suffice",
         Cause::HalfTurn => {
             "an angle may get half a turn from its set point, where the law turns back the other way round"
         }

@@ -33,7 +33,7 @@ pub fn characters(grid: &Grid, greatest: f64) -> String {
 }
 
 /// Anchors, workspace and its deepest point.
-pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
+pub fn svg(rig_name: &str, slice: &Slice, found: Option<&Found>) -> String {
     let (low, high) = slice.extent();
     let scale = (SIDE - 2.0 * EDGE) / (high - low).max();
     let middle = (low + high) * 0.5;
@@ -46,7 +46,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
     let _ = writeln!(
         text,
         "<title>Static workspace of {}, z = {} m</title>",
-        escaped(&slice.rig.name),
+        escaped(rig_name),
         number(slice.height)
     );
     let (zero_x, zero_y) = at(&Vector2::zeros());
@@ -93,7 +93,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
          <text x=\"20\" y=\"24\">{}, z = {} m, seen from below</text>\n</svg>",
         metres * scale,
         SIDE - 30.0,
-        escaped(&slice.rig.name),
+        escaped(rig_name),
         number(slice.height),
         bottom = SIDE - 22.0
     );
@@ -103,7 +103,7 @@ pub fn svg(slice: &Slice, found: Option<&Found>) -> String {
 /// Places of anchors with the numbers of the cables that start there.
 fn anchors(slice: &Slice) -> Vec<(Vector2<f64>, String)> {
     let mut places: Vec<(Vector2<f64>, String)> = vec![];
-    for (i, anchor) in slice.rig.anchors.iter().enumerate() {
+    for (i, anchor) in slice.rig.cables.iter().map(|cable| cable.anchor).enumerate() {
         match places.iter_mut().find(|(place, _)| (place - anchor.xy()).norm() < 1e-3) {
             Some((_, cables)) => *cables += &format!(", {}", i + 1),
             None => places.push((anchor.xy(), format!("{}", i + 1))),

@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use cable_robot::plan::PlannerKind;
 use cable_robot::plan::nearest::{Facet, domain_facets};
 use cable_robot::reach::{BoundedDomain, polygon};
-use cable_robot::robot::Pose;
+use cable_robot::robot::{Pose, Shape};
 use clap::Args;
 use nalgebra::Vector2;
 use serde_json::json;
@@ -46,8 +46,13 @@ struct Tried {
 
 impl Reach {
     pub fn run(&self) -> Result<Outcome> {
-        let parameters = self.rig.controller(PlannerKind::Bounded)?;
-        let robot = &parameters.robot;
+        let (_, parameters) = self.rig.read_with_controller(Some(PlannerKind::Bounded))?;
+        let shape = Shape::of(&parameters.rig)?;
+        ensure!(
+            shape.is_in_place(),
+            "the domain (15) is shown for a rig that stands and is numbered as the paper's only"
+        );
+        let robot = &shape.robot;
         let (from, z) = (self.from.position().xy(), self.from.0[2]);
         for (name, pose) in [("--from", Some(&self.from)), ("--to", self.to.as_ref())] {
             let level = pose.is_none_or(|pose| pose.angles().norm() == 0.0 && pose.0[2] == z);

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use cable_robot::control::{barrier, static_margin};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::report::files::read_text;
-use cable_robot::robot::dynamics::static_tensions;
-use cable_robot::robot::{Geometry, ParameterError, Pose, RigFile};
+use cable_robot::robot::{ParameterError, Pose, Rig, RigFile, TensionLimits};
 use clap::{Args, ValueHint};
 use serde::Deserialize;
 use toml::Spanned;
@@ -27,13 +27,11 @@ impl RigArgument {
         self.path.as_deref().map_or_else(|| Ok(RigFile::default()), read)
     }
 
-    /// The controller for the rig, which must have the shape of the paper's.
-    pub fn controller(&self, planner: PlannerKind) -> Result<ControllerParameters> {
-        Ok(self.read_with_controller(planner)?.1)
-    }
-
     /// Both.
-    pub fn read_with_controller(&self, planner: PlannerKind) -> Result<(RigFile, ControllerParameters)> {
+    pub fn read_with_controller(
+        &self,
+        planner: Option<PlannerKind>,
+    ) -> Result<(RigFile, ControllerParameters)> {
         match &self.path {
             Some(path) => read_with_controller(path, planner),
             None => {
@@ -57,7 +55,10 @@ pub fn read(path: &Path) -> Result<RigFile> {
 }
 
 /// Reads a rig file and makes the controller for the rig; what is refused is named with its file, a gain with its line.
-pub fn read_with_controller(path: &Path, planner: PlannerKind) -> Result<(RigFile, ControllerParameters)> {
+pub fn read_with_controller(
+    path: &Path,
+    planner: Option<PlannerKind>,
+) -> Result<(RigFile, ControllerParameters)> {
     let file = read(path)?;
     let made = controller(&file, planner).map_err(|refused| at_its_line(path, refused));
     let controller = made.with_context(|| path.display().to_string())?;
@@ -82,45 +83,48 @@ fn at_its_line(path: &Path, refused: Error) -> Error {
     }
 }
 
-/// The controller for a rig, which must have the shape of the paper's.
-fn controller(file: &RigFile, planner: PlannerKind) -> Result<ControllerParameters> {
+/// The controller for a rig, with the planner that serves it if none is given.
+fn controller(file: &RigFile, planner: Option<PlannerKind>) -> Result<ControllerParameters> {
     let RigFile { rig, lambda, eta, .. } = file;
-    let Some(robot) = rig.as_triangular() else {
-        bail!(
-            "rig {:?} has {} cables that do not run as the paper's six do between two triangles; planner and \
-             controller know that shape only (`cable-robot workspace` knows any)",
-            rig.name,
-            rig.anchors.len()
-        );
-    };
-    let parameters = ControllerParameters {
-        robot,
-        lambda: *lambda,
-        eta: *eta,
-        min_tension: rig.limits.min,
-        max_tension: rig.limits.max,
-        planner,
-        ..ControllerParameters::default()
-    };
+    let of_rig = ControllerParameters::of(rig);
+    let planner = planner.unwrap_or(of_rig.planner);
+    let parameters = ControllerParameters { lambda: *lambda, eta: *eta, planner, ..of_rig };
     parameters.validate()?;
     Ok(parameters)
 }
 
+/// Refuses a pose above all anchors; `name` is what the user calls it.
+pub fn require_below(rig: &Rig, name: &str, pose: &Pose) -> Result<()> {
+    if rig.can_be_at(pose) {
+        return Ok(());
+    }
+    let z = number(pose.0[2]);
+    if rig.gravity.z < 0.0 {
+        bail!("{name}: z = {z}: z points up, a pose below the anchors has a lesser z than they (m)")
+    }
+    bail!("{name}: z = {z}: z points down, a pose below the anchors has a greater z than they (m)")
+}
+
 /// Refuses a start where the platform cannot rest; `name` is what the user calls it.
 pub fn require_rest(parameters: &ControllerParameters, name: &str, from: &Pose) -> Result<()> {
-    let ControllerParameters { robot, min_tension, max_tension, .. } = parameters;
-    let tensions = static_tensions(robot, &Geometry::new(robot), from);
+    let rig = &parameters.rig;
+    require_below(rig, name, from)?;
     let place = from.0.iter().map(|c| number(*c)).collect::<Vec<_>>().join(", ");
     ensure!(
-        tensions.is_some_and(|tensions| tensions.into_iter().all(|u| u > 0.0)),
+        static_margin(&rig.with_limits(TensionLimits::default()), from) > 0.0,
         "{name} ({place}) lies outside the static workspace: a cable is slack there, so there is no rest to start from"
     );
-    for (i, u) in tensions.into_iter().flatten().enumerate() {
-        ensure!(
-            (*min_tension..=*max_tension).contains(&u),
-            "{name} ({place}): at rest there cable {} pulls {u:.3} N, beyond the limits of {min_tension} to {max_tension} N",
-            i + 1
-        );
+    if static_margin(rig, from) >= 0.0 {
+        return Ok(());
     }
-    Ok(())
+    let Some(barrier) = barrier(rig, from) else {
+        bail!("{name} ({place}): the wrench matrix is singular there")
+    };
+    let (cable, limit) = (barrier.cable, number(barrier.limit));
+    match barrier.is_greatest {
+        true => bail!("{name} ({place}): at rest there cable {cable} pulls more than its limit of {limit} N"),
+        false => {
+            bail!("{name} ({place}): at rest there cable {cable} pulls less than its limit of {limit} N")
+        }
+    }
 }

@@ -5,8 +5,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use cable_robot::reach::Slice;
 use cable_robot::reach::static_region::{Grid, corners};
-use cable_robot::reach::{Slice, SolverError};
+use cable_robot::report::facts::limits;
 use cable_robot::report::files::{probe, write_whole};
 use cable_robot::robot::RigFile;
 use clap::Args;
@@ -81,16 +82,16 @@ impl Workspace {
         );
         self.svg.as_deref().map_or(Ok(()), probe)?;
         let progress = Progress::new("looking", 2 * GRID as u64);
-        let found = find(&slice, &file, || progress.done(1))?;
+        let found = find(&slice, &file, || progress.done(1));
         drop(progress);
         if let Some(path) = &self.svg {
-            let svg = picture::svg(&slice, found.as_ref());
+            let svg = picture::svg(&file.name, &slice, found.as_ref());
             write_whole(path, |file| file.write_all(svg.as_bytes()))?;
         }
         if self.json {
-            print_json(&as_json(&slice, found.as_ref()))?;
+            print_json(&as_json(&file.name, &slice, found.as_ref()))?;
         } else {
-            print(&as_text(&slice, found.as_ref()))?;
+            print(&as_text(&file.name, &slice, found.as_ref()))?;
         }
         if let Some(found) = found.filter(|found| found.unseen > WORTH_SAYING) {
             crate::say(format_args!(
@@ -103,26 +104,26 @@ impl Workspace {
 }
 
 /// `None` where the cables cannot hold the platform at any point of the grid, nor at the rig's home.
-fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Result<Option<Found>, SolverError> {
-    let coarse = slice.grid(slice.extent(), GRID, &row_done)?;
+fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Option<Found> {
+    let coarse = slice.grid(slice.extent(), GRID, &row_done);
     let home = file.home.position().xy();
-    let at_home = slice.distribution(&home)?.signed_margin();
-    let Some(seed) = coarse.best().or((at_home >= 0.0).then_some((home, at_home))) else { return Ok(None) };
+    let at_home = slice.margin(&home);
+    let seed = coarse.best().or((at_home >= 0.0).then_some((home, at_home)))?;
 
-    let border = corners(&slice.boundary(&seed.0, RAYS)?, STRAIGHT);
+    let border = corners(&slice.boundary(&seed.0, RAYS), STRAIGHT);
     let (low, high) = (bounds(&border, f64::min), bounds(&border, f64::max));
     let frame = (high - low) * 0.05;
-    let grid = slice.grid((low - frame, high + frame), GRID, &row_done)?;
+    let grid = slice.grid((low - frame, high + frame), GRID, &row_done);
     let admissible = grid.points().filter(|(_, margin)| *margin >= 0.0).count();
     let outside =
         grid.points().filter(|(point, margin)| *margin >= 0.0 && !surrounds(&border, point)).count();
-    Ok(Some(Found {
+    Some(Found {
         deepest: grid.best().filter(|best| best.1 > seed.1).unwrap_or(seed),
         area: area(&border),
         corners: border,
         unseen: outside as f64 / admissible.max(1) as f64,
         grid,
-    }))
+    })
 }
 
 fn bounds(points: &[Vector2<f64>], pick: fn(f64, f64) -> f64) -> Vector2<f64> {
@@ -146,10 +147,10 @@ fn surrounds(line: &[Vector2<f64>], point: &Vector2<f64>) -> bool {
     edges(line).filter(crossed).count() % 2 == 1
 }
 
-fn as_text(slice: &Slice, found: Option<&Found>) -> String {
+fn as_text(name: &str, slice: &Slice, found: Option<&Found>) -> String {
     let (rig, height) = (slice.rig, number(slice.height));
-    let mut text = format!("{}: {} cables, {} kg", rig.name, rig.anchors.len(), number(rig.mass));
-    let _ = writeln!(text, ", tensions from {} to {} N", number(rig.limits.min), number(rig.limits.max));
+    let mut text = format!("{name}: {} cables, {} kg", rig.cables.len(), number(rig.mass));
+    let _ = writeln!(text, ", tensions {}", limits(rig));
     let Some(found) = found else {
         let _ = writeln!(text, "z = {height} m: empty, the cables cannot hold the platform anywhere");
         return text;
@@ -175,10 +176,10 @@ fn as_text(slice: &Slice, found: Option<&Found>) -> String {
     text
 }
 
-fn as_json(slice: &Slice, found: Option<&Found>) -> serde_json::Value {
+fn as_json(name: &str, slice: &Slice, found: Option<&Found>) -> serde_json::Value {
     let point = |p: &Vector2<f64>| [p.x, p.y];
     json!({
-        "rig": slice.rig.name,
+        "rig": name,
         "height": slice.height,
         "orientation": slice.angles.as_slice(),
         "empty": found.is_none(),

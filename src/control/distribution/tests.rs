@@ -53,7 +53,10 @@ fn tensions_are_found_wherever_there_are_any() {
             }
             Distribution::Infeasible { nearest, weights, shortfall } => {
                 infeasible += 1;
-                assert!(widest < 1e-9 && shortfall > 0.0 && shortfall <= -widest + 1e-7, "{case}: {widest} {shortfall} {weights:?}");
+                assert!(
+                    widest < 1e-9 && shortfall > 0.0 && shortfall <= -widest + 1e-7,
+                    "{case}: {widest} {shortfall} {weights:?}"
+                );
                 assert!((given(&columns, &nearest) - wrench).norm() < 1e-5, "{case}");
                 shows_infeasible(&columns, &wrench, shortfall, &weights);
             }
@@ -63,7 +66,12 @@ fn tensions_are_found_wherever_there_are_any() {
 }
 
 /// Checks that the weights c are Wᵀ y, and that yᵀ w is `shortfall` more than cᵀ u can be within the limits.
-fn shows_infeasible(columns: &PerCable<Vector6<f64>>, wrench: &Vector6<f64>, shortfall: f64, weights: &[f64]) {
+fn shows_infeasible(
+    columns: &PerCable<Vector6<f64>>,
+    wrench: &Vector6<f64>,
+    shortfall: f64,
+    weights: &[f64],
+) {
     let matrix = DMatrix::from_fn(6, columns.len(), |k, i| columns[i][k]);
     let weights = DVector::from_column_slice(weights);
     let y = (&matrix * matrix.transpose()).lu().solve(&(&matrix * &weights)).unwrap();
@@ -147,7 +155,8 @@ fn tensions_change_no_faster_than_the_lipschitz_bound() {
     let mut rng = Pcg64::seed_from_u64(12);
     let mut closest: f64 = 0.0;
     for _ in 0..300 {
-        let columns = rig.cables_at(&random_pose(&mut rng, &home, [1.2, 0.8, 0.5, 0.2, 0.2, 0.2])).wrench_matrix();
+        let columns =
+            rig.cables_at(&random_pose(&mut rng, &home, [1.2, 0.8, 0.5, 0.2, 0.2, 0.2])).wrench_matrix();
         let bound = lipschitz(&columns, rig.platform_radius());
         let random = |rng: &mut Pcg64, size: f64| Vector6::from_fn(|_, _| rng.random_range(-size..size));
         let first = rig.static_wrench() + random(&mut rng, 100.0);
@@ -170,7 +179,9 @@ fn tensions_are_continuous_along_a_way_through_the_border() {
         let pose = Pose(home.0 + far * s);
         share(&rig, &rig.cables_at(&pose).wrench_matrix(), &rig.static_wrench(), 20.0).unwrap()
     };
-    let apart = |a: &PerCable<f64>, b: &PerCable<f64>| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = |a: &PerCable<f64>, b: &PerCable<f64>| {
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
     for k in 0..2000 {
         let s = f64::from(k) / 2000.0;
         let (near, nearer) = (apart(&of(s), &of(s + 1e-4)), apart(&of(s), &of(s + 1e-7)));
@@ -198,9 +209,11 @@ fn cables_side_by_side_share_and_a_singular_matrix_is_refused() {
     let (six, wrench) = random_case(&mut rng, 6);
     let doubled = PerCable::from_fn(12, |i| six[i % 6]);
     let solutions = Solutions::new(&doubled, &wrench, 1.0).unwrap();
-    let Distribution::Feasible(tensions) =
-        solutions.distribute(&PerCable::filled(12, TensionLimits { min: -1e9, max: 1e9 }), &PerCable::filled(12, 5.0), 0.0)
-    else {
+    let Distribution::Feasible(tensions) = solutions.distribute(
+        &PerCable::filled(12, TensionLimits { min: -1e9, max: 1e9 }),
+        &PerCable::filled(12, 5.0),
+        0.0,
+    ) else {
         panic!("not found")
     };
     for i in 0..6 {
@@ -220,17 +233,24 @@ fn how_long_it_takes() {
         let start = std::time::Instant::now();
         let sum: f64 = cases
             .iter()
-            .map(|(columns, wrench)| Solutions::new(columns, wrench, 1.0).unwrap().widest_margin(&limits(cables)))
+            .map(|(columns, wrench)| {
+                Solutions::new(columns, wrench, 1.0).unwrap().widest_margin(&limits(cables))
+            })
             .sum();
         println!("{cables}: widest margin {:?} {sum}", start.elapsed() / 2000);
     }
     let RigFile { rig, home, .. } = eight();
-    let poses: Vec<_> = (0..2000).map(|_| random_pose(&mut rng, &home, [1.5, 1.0, 0.6, 0.2, 0.2, 0.2])).collect();
+    let poses: Vec<_> =
+        (0..2000).map(|_| random_pose(&mut rng, &home, [1.5, 1.0, 0.6, 0.2, 0.2, 0.2])).collect();
     let columns: Vec<_> = poses.iter().map(|pose| rig.cables_at(pose).wrench_matrix()).collect();
     let start = std::time::Instant::now();
-    let sum: f64 = columns.iter().map(|columns| share(&rig, columns, &rig.static_wrench(), 20.0).unwrap()[0]).sum();
+    let sum: f64 =
+        columns.iter().map(|columns| share(&rig, columns, &rig.static_wrench(), 20.0).unwrap()[0]).sum();
     println!("rigs/eight.toml: share {:?} {sum}", start.elapsed() / 2000);
     let start = std::time::Instant::now();
-    let sum: f64 = columns.iter().map(|columns| Solutions::new(columns, &rig.static_wrench(), 0.5).unwrap().least[0]).sum();
+    let sum: f64 = columns
+        .iter()
+        .map(|columns| Solutions::new(columns, &rig.static_wrench(), 0.5).unwrap().least[0])
+        .sum();
     println!("rigs/eight.toml: solutions {:?} {sum}", start.elapsed() / 2000);
 }

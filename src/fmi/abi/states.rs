@@ -74,7 +74,8 @@ pub unsafe fn serialized_size(
     // SAFETY: the caller's promise.
     unsafe {
         call(instance, function, |instance| {
-            place(size, "the pointer to the size")?.write(saved(state)?.to_bytes(instance.interface())?.len());
+            place(size, "the pointer to the size")?
+                .write(saved(state)?.to_bytes(instance.interface())?.len());
             Ok(())
         })
     }

@@ -108,7 +108,8 @@ mod tests {
                 let text = model_description(&interface, version);
                 assert!(text.contains(interface.token()));
                 for scalar in interface.scalars() {
-                    let wanted = format!("name=\"{}\" valueReference=\"{}\"", scalar.name(), scalar.reference);
+                    let wanted =
+                        format!("name=\"{}\" valueReference=\"{}\"", scalar.name(), scalar.reference);
                     let left_out = version == Version::Fmi2 && scalar.row.causality == Causality::Independent;
                     assert_eq!(text.matches(&wanted).count(), usize::from(!left_out), "{wanted}");
                 }

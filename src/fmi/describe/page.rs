@@ -48,7 +48,9 @@ fn frame_of(interface: &Interface, rig: &Rig) -> String {
         g => format!("gravity is ({}, {}, {}) m/s²", g.x, g.y, g.z),
     };
     let pulleys = match rig.cables.iter().any(|cable| cable.pulley.is_some()) {
-        true => " Cables that run over a swivelling pulley leave it at a moving point; their length includes the arc on it.",
+        true => {
+            " Cables that run over a swivelling pulley leave it at a moving point; their length includes the arc on it."
+        }
         false => "",
     };
     format!(

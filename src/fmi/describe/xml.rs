@@ -159,11 +159,7 @@ pub fn number(row: &Row, value: f64) -> String {
 }
 
 /// The scalars that an output depends on at the start, as `number_of` counts them, in ascending order.
-pub fn dependencies(
-    interface: &Interface,
-    row: &'static Row,
-    number_of: impl Fn(u32) -> usize,
-) -> String {
+pub fn dependencies(interface: &Interface, row: &'static Row, number_of: impl Fn(u32) -> usize) -> String {
     let known = interface.dependencies(row).flat_map(|known| interface.scalars_of(known));
     let mut numbers: Vec<usize> = known.map(|scalar| number_of(scalar.reference)).collect();
     numbers.sort_unstable();

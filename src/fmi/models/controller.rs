@@ -5,10 +5,10 @@ use super::robot::{
     A, ANCHOR, ATTACHMENT, B, CABLE_MAX, CABLE_MIN, G, GRAVITY, I1, I2, I3, INERTIA, M, MASS, REST_LENGTH,
     REST_TENSION, TIME, parameters, rig_with_limits, write_limits, write_rig, write_robot,
 };
+use crate::control::static_tensions;
 use crate::fmi::values::Values;
 use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, RADIAN, SECOND};
 use crate::fmi::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
-use crate::control::static_tensions;
 use crate::plan::{
     Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
@@ -97,8 +97,7 @@ const PLANNER: Row = setting(
     &[1.0],
     "Which reachable domain the planner uses",
 );
-const GENERAL_PLANNER: Row =
-    Row { kind: Kind::Enumeration(&GENERAL_PLANNER_TYPE), start: &[2.0], ..PLANNER };
+const GENERAL_PLANNER: Row = Row { kind: Kind::Enumeration(&GENERAL_PLANNER_TYPE), start: &[2.0], ..PLANNER };
 const POSE_SOURCE: Row = setting(
     15,
     "poseSource",
@@ -181,7 +180,8 @@ const ENABLE: Row = Row {
 const MEASUREMENT: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH];
 /// What mode and set point follow from: the controller starts where the robot is.
 const MODE: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &ENABLE];
-const MODE_AND_GOAL: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &GOAL_POSE, &ENABLE];
+const MODE_AND_GOAL: &[&Row] =
+    &[&A, &B, &ANCHOR, &ATTACHMENT, &POSE_SOURCE, &ENCODER_POSE, &CABLE_LENGTH, &GOAL_POSE, &ENABLE];
 /// What the tensions follow from: at rest at the set point the law (4) holds the weight, whatever its gains.
 const WEIGHT: &[&Row] = &[
     &A,
@@ -317,7 +317,8 @@ pub const ROWS: &[&Row] = &[
 pub fn rows_of(rig: &Rig) -> Vec<&'static Row> {
     let planner = if PaperShape::of(rig).is_ok() { &PLANNER } else { &GENERAL_PLANNER };
     let of_paper = [&A, &B, &M, &I1, &I2, &I3, &G, &MIN_TENSION, &MAX_TENSION, &PLANNER].map(|row| row.name);
-    let mut rows = vec![&TIME, &MASS, &INERTIA, &GRAVITY, &ANCHOR, &ATTACHMENT, &CABLE_MIN, &CABLE_MAX, planner];
+    let mut rows =
+        vec![&TIME, &MASS, &INERTIA, &GRAVITY, &ANCHOR, &ATTACHMENT, &CABLE_MIN, &CABLE_MAX, planner];
     rows.extend(ROWS.iter().skip(1).filter(|row| !of_paper.contains(&row.name)));
     rows
 }
@@ -336,7 +337,8 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         Some(rig) => rig_with_limits(values, rig),
         None => {
             // -0 is 0
-            let limits = TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) };
+            let limits =
+                TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) };
             Rig::paper(&parameters(values), limits)
         }
     };

@@ -188,7 +188,9 @@ mod tests {
         };
         let with = |changes: &&[(&str, f64)]| {
             let mut values = start.clone();
-            changes.iter().for_each(|(name, value)| values.put(interface.named(name).unwrap().reference, *value));
+            changes
+                .iter()
+                .for_each(|(name, value)| values.put(interface.named(name).unwrap().reference, *value));
             values
         };
         settings.iter().map(with).collect()

@@ -53,7 +53,13 @@ pub const GRAVITY: Row = Row {
 };
 pub const ANCHOR: Row = Row {
     shape: Shape::CableVectors,
-    ..parameter(320, "anchor", &METRE, &[], "Where the cable leaves the base, or runs onto its pulley, base frame")
+    ..parameter(
+        320,
+        "anchor",
+        &METRE,
+        &[],
+        "Where the cable leaves the base, or runs onto its pulley, base frame",
+    )
 };
 pub const ATTACHMENT: Row = Row {
     shape: Shape::CableVectors,

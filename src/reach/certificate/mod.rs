@@ -130,7 +130,9 @@ pub fn certify_within(
 ) -> Result<Verdict, CertificateError> {
     check(rig, limits, step)?;
     if rig.cables.len() > LEAST_CABLES {
-        return Ok(any_distribution(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible()));
+        return Ok(
+            any_distribution(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible())
+        );
     }
     let mut range = Range::none();
     let shown = closed_form(rig, limits, step, spans, |cables| range.include(&cables.tension));
@@ -204,7 +206,8 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
             range.include(&cables.tension);
             extent.include(rig, cables);
         };
-        search::walk(rig, step, &tube, &limits, &mut { search::MOST_SPANS }, inside).map_err(Verdict::of_a_tube)?;
+        search::walk(rig, step, &tube, &limits, &mut { search::MOST_SPANS }, inside)
+            .map_err(Verdict::of_a_tube)?;
         if extent.is_within(&guess) {
             return Ok(Range { least: range.least - friction, greatest: range.greatest + friction });
         }

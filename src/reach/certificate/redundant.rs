@@ -132,7 +132,8 @@ fn refusal(
         sum = sum + Taylor::constant(c.size());
     }
     let shortfall = (gap * (1.0 / sum.size())).range()[0];
-    let named = |sign: f64| (0..weights.len()).filter(move |i| sign * weights[*i] > NAMED).map(|i| i + 1).collect();
+    let named =
+        |sign: f64| (0..weights.len()).filter(move |i| sign * weights[*i] > NAMED).map(|i| i + 1).collect();
     let (at_least, at_greatest) = (named(-1.0), named(1.0));
     (gap.range()[0] > 0.0).then_some(Verdict::NoDistribution { time, shortfall, at_least, at_greatest })
 }
@@ -171,7 +172,8 @@ mod tests {
             let value = |u: &Taylor| u.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
             let given: Vector6<f64> = matrix.iter().zip(&found).map(|(column, u)| column * value(u)).sum();
             let lacking = given - wrench;
-            let errors: Vector6<f64> = matrix.iter().zip(&found).map(|(column, u)| column.abs() * u.error).sum();
+            let errors: Vector6<f64> =
+                matrix.iter().zip(&found).map(|(column, u)| column.abs() * u.error).sum();
             for k in 0..6 {
                 assert!(lacking[k].abs() <= errors[k] + 1e-11, "{k} at {tau}: {lacking} {errors}");
             }

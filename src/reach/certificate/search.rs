@@ -68,11 +68,7 @@ pub fn walk(
 ///
 /// # Errors
 /// As [`walk`].
-pub fn cover(
-    step: &Step,
-    spans: &mut usize,
-    mut look: impl FnMut(Span) -> Finding,
-) -> Result<(), Verdict> {
+pub fn cover(step: &Step, spans: &mut usize, mut look: impl FnMut(Span) -> Finding) -> Result<(), Verdict> {
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
     let refusal = |at_instant: Finding, instant| match at_instant {

@@ -96,7 +96,8 @@ fn over_pulley(radius: f64, axis: &Vector, to_anchor: &Vector) -> Option<Vector>
     let distance = norm(&sideways)?;
     let (p, q) = (distance + Taylor::constant(-radius), height);
     let square = p * p + q * q;
-    let free = (square + Taylor::constant(-radius * radius).widened(f64::EPSILON * radius * radius)).sqrt()?;
+    let free =
+        (square + Taylor::constant(-radius * radius).widened(f64::EPSILON * radius * radius)).sqrt()?;
     let share = free * square.inverse();
     let cos = (p * radius - q * free) * share;
     let sin = (q * radius + p * free) * share * distance.inverse();
@@ -187,8 +188,7 @@ impl Orientation {
 
 /// Left side of Eq. (1), force and torque in the platform's frame.
 fn required_wrench(rig: &Rig, motion: &Motion, orientation: &Orientation) -> [Taylor; 6] {
-    let lift: Vector =
-        std::array::from_fn(|k| motion.accelerations[k] + Taylor::constant(-rig.gravity[k]));
+    let lift: Vector = std::array::from_fn(|k| motion.accelerations[k] + Taylor::constant(-rig.gravity[k]));
     let force = orientation.to_platform(&lift);
     let (omega, alpha) = orientation.spin(motion);
     let times_inertia = |v: &Vector| -> Vector {

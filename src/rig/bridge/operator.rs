@@ -2,10 +2,10 @@
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
 use super::{Bridge, Fault, FrameQueue, Held, Mode, SafePull};
+use crate::control::static_tensions;
 use crate::rig::Nanoseconds;
 use crate::rig::cia402::DriveState;
 use crate::rig::config::SafeOutput;
-use crate::control::static_tensions;
 use crate::rig::{CABLES, PerCable, six_of};
 use crate::robot::Pose;
 

@@ -13,7 +13,9 @@ impl Bridge {
     fn command(&mut self) -> (PerCable<f64>, Demand) {
         const NOTHING: PerCable<f64> = [0.0; CABLES];
         match self.mode {
-            Mode::Shadow { .. } => (self.answer.map_or(NOTHING, |answer| six_of(&answer.motor_tension)), Demand::Off),
+            Mode::Shadow { .. } => {
+                (self.answer.map_or(NOTHING, |answer| six_of(&answer.motor_tension)), Demand::Off)
+            }
             Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
                 (NOTHING, Demand::Off)
             }

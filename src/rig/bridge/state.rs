@@ -7,9 +7,9 @@ use thiserror::Error;
 use super::fault::Fault;
 use crate::plan::ControllerOutputs;
 use crate::rig::Nanoseconds;
+use crate::rig::PerCable;
 use crate::rig::canopen::Emergency;
 use crate::rig::cia402::DriveState;
-use crate::rig::PerCable;
 use crate::robot::Pose;
 
 /// What the bridge is doing: docs/rig.md has the picture.

@@ -5,10 +5,10 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use super::{CellFault, Link, LinkFaults, SimulatedRig};
+use crate::rig::CABLES;
 use crate::rig::Nanoseconds;
 use crate::rig::canopen::{NmtCommand, Object};
 use crate::rig::frame::Frame;
-use crate::rig::CABLES;
 
 /// The grammar, for people.
 pub const GRAMMAR: &str = "\

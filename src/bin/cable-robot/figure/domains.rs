@@ -5,6 +5,7 @@ use std::ops::Range;
 use cable_robot::control::Response;
 use cable_robot::plan::ControllerParameters;
 use cable_robot::reach::{BoundedDomain, HalfPlane, polygon, static_workspace};
+use cable_robot::robot::RobotParameters;
 use nalgebra::Vector2;
 
 use super::Made;
@@ -39,7 +40,7 @@ pub fn figure_7(run: &Run) -> Made {
         panel.series.push(Series::new("set points", Look::Dots, BLACK, set_points.clone()));
     }
     finish(&mut panels[1], numbered("x", 0, &set_points));
-    let facets = static_workspace(&ControllerParameters::default().robot);
+    let facets = static_workspace(&RobotParameters::default());
     let distance =
         |p: &[f64; 2]| facets.iter().map(|f| f.slack(&Vector2::from(*p))).fold(f64::INFINITY, f64::min);
     let shares = |points: &[[f64; 2]]| {
@@ -67,7 +68,7 @@ fn chart(panels: [Panel; 2]) -> Chart {
 /// The whole workspace, with the key to the domains, and its part with x and y greater than 0.
 fn planes(from: &[[f64; 2]]) -> [Panel; 2] {
     [("whole", -0.28..0.28), ("part", -0.01..0.26)].map(|(title, range)| {
-        let robot = ControllerParameters::default().robot;
+        let robot = RobotParameters::default();
         let hexagon = corners(&static_workspace(&robot), &range);
         let mut series = vec![Series::new("static workspace", Look::Region, GREY, hexagon)];
         for (i, (from, colour)) in from.iter().zip(COLOURS).enumerate() {
@@ -91,7 +92,7 @@ fn finish(panel: &mut Panel, notes: Vec<Note>) {
 
 fn domain(from: &[f64; 2]) -> BoundedDomain {
     let parameters = ControllerParameters::default();
-    BoundedDomain::new(&parameters.robot, &parameters.gains(), Vector2::from(*from), Z)
+    BoundedDomain::new(&RobotParameters::default(), &parameters.gains(), Vector2::from(*from), Z)
 }
 
 /// The corners of a convex set, or of the part of it in a window with x and y in this range.
@@ -125,7 +126,7 @@ fn share(pair: &[[f64; 2]]) -> f64 {
 
 fn areas(from: &[[f64; 2]]) -> String {
     let area_of = |half_planes: &[HalfPlane]| area(&corners(half_planes, &(-1.0..1.0)));
-    let whole = area_of(&static_workspace(&ControllerParameters::default().robot));
+    let whole = area_of(&static_workspace(&RobotParameters::default()));
     let share = |from| format!("{:.1} %", 100.0 * area_of(&domain(from).half_planes()) / whole);
     let shares: Vec<_> = from.iter().map(share).collect();
     format!("areas of the domains, as shares of the static workspace: {}", shares.join(", "))
@@ -144,6 +145,6 @@ fn moving_point(pair: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     let [from, to] = [pair[0], pair[1]].map(Vector2::from);
     (0..=150).map(move |k| {
         let [f, _, dd] = Response::at(&parameters.gains(), 0.02 * f64::from(k)).step_error();
-        (to + (from - to) * (f + dd * Z / parameters.robot.g)).into()
+        (to + (from - to) * (f + dd * Z / RobotParameters::default().g)).into()
     })
 }

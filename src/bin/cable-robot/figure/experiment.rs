@@ -1,7 +1,7 @@
 //! Figs. 8 and 9: the experiment of Section VII, on a plant with the imperfections of a rig.
 
 use anyhow::Result;
-use cable_robot::robot::CABLES;
+use cable_robot::robot::triangles::SIX;
 
 use super::Made;
 use super::chart::{BLACK, COLOURS, Chart, Look, Panel, Series};
@@ -64,7 +64,7 @@ pub fn figure_9() -> Result<Made> {
     let mut panels = vec![];
     for (title, run) in ["force loop closed", "force loop open"].into_iter().zip(&runs) {
         let mut panel = Panel::over_time(title, "tension (N)", run.duration, 22.0, 0);
-        for i in 0..CABLES {
+        for i in 0..SIX {
             panel.push_cable(i, Look::Thin, run.tension(i));
         }
         panel.series.push(Series::new("u5 of Fig. 6", Look::Dashed, BLACK, simulated.tension(4)).in_key());

@@ -1,9 +1,10 @@
 //! Figs. 5 and 6: the simulation of Section VI.
 
 use anyhow::Result;
-use cable_robot::control::Response;
+use cable_robot::control::{Response, tensions};
 use cable_robot::plan::ControllerParameters;
-use cable_robot::robot::{CABLES, Coordinates, Geometry, PerCable, Pose, tensions};
+use cable_robot::robot::triangles::SIX;
+use cable_robot::robot::{Coordinates, PerCable, Pose};
 
 use super::Made;
 use super::chart::{BLACK, COLOURS, Chart, Look, Panel, Series};
@@ -48,7 +49,7 @@ pub fn figure_6() -> Result<Made> {
     let run = simulated()?;
     let predicted: Vec<_> = run.samples.iter().map(|sample| predicted(&run, sample.time)).collect();
     let mut all = Panel::over_time("all cables", "tension (N)", run.duration, 22.0, 0);
-    for i in 0..CABLES {
+    for i in 0..SIX {
         let points = run.samples.iter().zip(&predicted).map(|(sample, u)| [sample.time, u[i]]).collect();
         all.push_cable(i, Look::Line, run.tension(i));
         all.series.push(Series::new(format!("u{} predicted", i + 1), Look::Dashed, BLACK, points));
@@ -62,8 +63,8 @@ pub fn figure_6() -> Result<Made> {
         .samples
         .iter()
         .zip(&predicted)
-        .flat_map(|(sample, u)| (0..CABLES).map(|i| (sample.tension[i] - u[i]).abs()));
-    let at_goal = run.last().tension.map(|u| format!("{u:.3}")).join(", ");
+        .flat_map(|(sample, u)| (0..SIX).map(|i| (sample.tension[i] - u[i]).abs()));
+    let at_goal = run.last().tension.iter().map(|u| format!("{u:.3}")).collect::<Vec<_>>().join(", ");
     let findings = vec![
         run.smallest_text(),
         format!("at the goal u1 to u6 are {at_goal} N"),
@@ -78,12 +79,12 @@ pub fn figure_6() -> Result<Made> {
 /// Tensions of Eq. (1) along the response (12) from rest at one set point to the next, N. A set point acts after the instant at which
 /// it is given.
 fn predicted(run: &Run, time: f64) -> PerCable<f64> {
-    let ControllerParameters { robot, .. } = ControllerParameters::default();
+    let rig = ControllerParameters::default().rig;
     let active = run.set_points.iter().rposition(|s| s.time < time).unwrap_or(0);
     let (from, to) = (&run.set_points[active.saturating_sub(1)], &run.set_points[active]);
     let response = Response::at(&ControllerParameters::default().gains(), time - to.time);
     let [x, y] = [0, 1].map(|k| response.motion(from.position[k], 0.0, to.position[k]));
     let rates = |k: usize| Coordinates::new(x[k], y[k], 0.0, 0.0, 0.0, 0.0);
     let pose = Pose::at(x[0], y[0], GOAL[2]);
-    tensions(&robot, &Geometry::new(&robot), &pose, &rates(1), &rates(2)).unwrap_or([f64::NAN; CABLES])
+    tensions(&rig, &pose, &rates(1), &rates(2), 0.0).unwrap_or(PerCable::filled(SIX, f64::NAN))
 }

@@ -1,7 +1,8 @@
 //! Section VI's move in the closed loop, as the bundled scenarios `paper` and `experiment` have it.
 
 use anyhow::Result;
-use cable_robot::robot::{CABLES, PerCable, Pose};
+use cable_robot::robot::triangles::SIX;
+use cable_robot::robot::{PerCable, Pose};
 use cable_robot::sim::{ClosedLoop, Moment, Scenario};
 
 /// The goal of Section VI, m.
@@ -39,7 +40,7 @@ pub struct Run {
     /// The smallest tension that a load cell saw at any step, N, and its cable from 1.
     pub smallest: (f64, usize),
     /// When each cable was first slack, s.
-    pub slack: PerCable<Option<f64>>,
+    pub slack: [Option<f64>; SIX],
 }
 
 /// Runs a scenario.
@@ -51,7 +52,7 @@ pub fn run(scenario: &Scenario) -> Result<Run> {
         duration: scenario.duration,
         at_goal: None,
         smallest: (f64::INFINITY, 0),
-        slack: [None; CABLES],
+        slack: [None; SIX],
     };
     let steps = (scenario.duration / scenario.step).round() as u64;
     for k in 0..=steps {
@@ -72,7 +73,7 @@ impl Run {
         if controller.at_goal {
             self.at_goal.get_or_insert(asked);
         }
-        for i in 0..CABLES {
+        for i in 0..SIX {
             if plant.measured_tension[i] < self.smallest.0 {
                 self.smallest = (plant.measured_tension[i], i + 1);
             }
@@ -130,7 +131,7 @@ impl Run {
     /// The smallest tension, and the first cable that was slack.
     pub fn smallest_text(&self) -> String {
         let (tension, cable) = self.smallest;
-        let slack = (0..CABLES).filter_map(|i| self.slack[i].map(|time| (time, i + 1)));
+        let slack = (0..SIX).filter_map(|i| self.slack[i].map(|time| (time, i + 1)));
         let slack = match slack.min_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((time, cable)) => format!("cable {cable} is slack at {time:.3} s"),
             None => "no cable is ever slack".to_owned(),

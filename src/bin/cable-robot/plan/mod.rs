@@ -3,18 +3,18 @@
 mod show;
 
 use anyhow::{Context, Result};
-use cable_robot::plan::ControllerParameters;
+use cable_robot::control;
 use cable_robot::plan::extremes::{Extremes, TensionAt, extremes};
 use cable_robot::plan::nearest::{nearest_admissible, workspace_facets};
-use cable_robot::plan::planner::{Planner as SetPoints, Situation};
-use cable_robot::robot::dynamics::static_tensions;
+use cable_robot::plan::planner::Planner as SetPoints;
+use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::rig::SINGULARITY_THRESHOLD;
-use cable_robot::robot::{Coordinates, Geometry, Pose, Rig, TensionLimits};
+use cable_robot::robot::{Pose, Rig, Shape};
 use clap::Args;
 use nalgebra::Vector2;
 
 use crate::arguments::{Planner, pose};
-use crate::rig::{RigArgument, require_rest};
+use crate::rig::{RigArgument, require_below, require_rest};
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
@@ -25,7 +25,7 @@ Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
 const MOST_SET_POINTS: usize = 1000;
 /// Halvings of the distance to the border that the nearest point keeps.
 const HALVINGS: usize = 20;
-/// Nothing new happens farther than this many times a from the rig.
+/// Nothing new happens farther than this many radii of the rig from it.
 const FAR: f64 = 10.0;
 /// Points looked at between the nearest point and the goal.
 const POINTS: u32 = 2000;
@@ -40,9 +40,9 @@ pub struct Plan {
     /// x,y,z[,roll,pitch,yaw] of the goal, m and rad
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Pose,
-    /// Reachable domain to plan with
-    #[arg(long, value_enum, default_value_t = Planner::Bounded)]
-    planner: Planner,
+    /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
+    #[arg(long, value_enum)]
+    planner: Option<Planner>,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -73,9 +73,7 @@ struct Obstacle {
 
 /// A tension reaches a limit with the platform at rest.
 struct Barrier {
-    cable: usize,
-    /// N.
-    limit: f64,
+    limit: control::Barrier,
     at: Pose,
 }
 
@@ -87,8 +85,10 @@ impl Planned {
 
 impl Plan {
     pub fn run(&self) -> Result<Outcome> {
-        let parameters = self.rig.controller(self.planner.kind())?;
+        let planner = self.planner.map(Planner::kind);
+        let (_, parameters) = self.rig.read_with_controller(planner)?;
         require_rest(&parameters, "--from", &self.from)?;
+        require_below(&parameters.rig, "--to", &self.to)?;
         let planned = self.plan(&parameters)?;
         if self.json {
             print_json(&show::as_json(self, &planned, &parameters))?;
@@ -99,13 +99,11 @@ impl Plan {
     }
 
     fn plan(&self, parameters: &ControllerParameters) -> Result<Planned> {
-        let limits = TensionLimits { min: parameters.min_tension, max: parameters.max_tension };
-        let look =
-            |from: &Pose, to: &Pose| extremes(&parameters.robot, &parameters.gains(), &limits, from, to);
+        let look = |from: &Pose, to: &Pose| extremes(&parameters.rig, &parameters.gains(), from, to);
         // Where the controller would make for.
-        let aim = match self.planner {
-            Planner::Bounded => self.to,
-            Planner::Exact => SetPoints::from(*parameters).exact_aim(&self.from, &self.to),
+        let aim = match parameters.planner {
+            PlannerKind::Bounded => self.to,
+            PlannerKind::Exact => SetPoints::from(*parameters).exact_aim(&self.from, &self.to),
         };
         let set_points = sequence(parameters, &self.from, &aim);
         let (mut at, mut smallest) = (self.from, None::<(usize, TensionAt)>);
@@ -117,9 +115,9 @@ impl Plan {
                 smallest = Some((i + 1, step));
             }
         }
-        let goal = match self.planner {
-            Planner::Bounded => self.pose_over(&self.to.position().xy()),
-            Planner::Exact => self.to,
+        let goal = match parameters.planner {
+            PlannerKind::Bounded => self.pose_over(&self.to.position().xy()),
+            PlannerKind::Exact => self.to,
         };
         let given_up =
             at != aim && set_points.len() == MOST_SET_POINTS && barrier(parameters, &goal, &goal).is_none();
@@ -127,11 +125,11 @@ impl Plan {
             None
         } else {
             let broken = look(&at, &self.to).filter(|direct| direct.first_outside.is_some());
-            let regularity = Rig::triangular(&parameters.robot, limits).regularity(&self.to);
+            let regularity = parameters.rig.regularity(&self.to);
             let singular = regularity < SINGULARITY_THRESHOLD;
-            let nearest = match self.planner {
-                Planner::Exact => Some(at),
-                Planner::Bounded => self.nearest(parameters)?.or((at != self.from).then_some(at)),
+            let nearest = match parameters.planner {
+                PlannerKind::Exact => Some(at),
+                PlannerKind::Bounded => self.nearest(parameters)?.or((at != self.from).then_some(at)),
             };
             let barrier = barrier(parameters, &nearest.unwrap_or(at), &goal);
             Some(Obstacle { singular, broken, nearest, barrier })
@@ -142,17 +140,19 @@ impl Plan {
     /// The point nearest to the goal, at the height of the start, to which the paper's planner has a plan: as little inside the facets of
     /// the static workspace as limits of tension and the planner's own allowances need.
     fn nearest(&self, parameters: &ControllerParameters) -> Result<Option<Pose>> {
-        let facets = workspace_facets(&parameters.robot);
+        let Ok(shape) = Shape::of(&parameters.rig) else { return Ok(None) };
+        let facets = workspace_facets(&shape.robot);
         // The solver's precision is relative to the distance.
-        let goal = within_reach(parameters, &Pose::at(0.0, 0.0, self.to.0[2]), &self.to).position();
+        let middle = shape.to_rig(&Pose::at(0.0, 0.0, shape.to_paper(&self.to).0[2]));
+        let goal = shape.to_paper(&within_reach(&parameters.rig, &middle, &self.to)).position();
         let arrives = |place: &Pose| {
             place == &self.from || sequence(parameters, &self.from, place).last() == Some(place)
         };
-        let (mut short, mut enough, mut found) = (0.0, 0.5 * parameters.robot.a, None);
+        let (mut short, mut enough, mut found) = (0.0, 0.5 * shape.robot.a, None);
         for _ in 0..HALVINGS {
             let margin = 0.5 * (short + enough);
             let nearest = nearest_admissible(&goal.xy(), &facets, margin)?;
-            let nearest = nearest.map(|nearest| self.pose_over(&nearest.point));
+            let nearest = nearest.map(|nearest| self.pose_over_paper(&shape, &nearest.point));
             if nearest.as_ref().is_some_and(arrives) {
                 (enough, found) = (margin, nearest);
             } else {
@@ -167,6 +167,12 @@ impl Plan {
         Pose::at(point.x, point.y, self.from.0[2])
     }
 
+    /// The same over a point of the paper's plane.
+    fn pose_over_paper(&self, shape: &Shape, point: &Vector2<f64>) -> Pose {
+        let height = shape.to_paper(&self.from).0[2];
+        shape.to_rig(&Pose::at(point.x, point.y, height))
+    }
+
     fn is_turned(&self) -> bool {
         self.to.0.fixed_rows::<3>(3).amax() > 0.0
     }
@@ -175,16 +181,13 @@ impl Plan {
 /// The set points from rest to rest, as far as there are any.
 fn sequence(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> Vec<Pose> {
     let planner = SetPoints::from(*parameters);
-    let next = |at: &Pose| {
-        let now = Situation { pose: at, rates: &Coordinates::zeros(), set_point: at, hold: 0.0 };
-        planner.next_set_point(&now, to)
-    };
+    let next = |at: &Pose| planner.next_from_rest(at, to);
     std::iter::successors(next(from), next).take(MOST_SET_POINTS).collect()
 }
 
 /// The goal, or if it is far out the point of the way to it from which on nothing new happens.
-fn within_reach(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> Pose {
-    let far = FAR * parameters.robot.a;
+fn within_reach(rig: &Rig, from: &Pose, goal: &Pose) -> Pose {
+    let far = FAR * rig.radius();
     let way = goal.0 - from.0;
     let longest = way.amax();
     if longest <= far { *goal } else { Pose(from.0 + way * (far / longest)) }
@@ -192,16 +195,10 @@ fn within_reach(parameters: &ControllerParameters, from: &Pose, goal: &Pose) -> 
 
 /// Where, on the line from one pose to another, a tension first is at or beyond a limit at rest.
 fn barrier(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> Option<Barrier> {
-    let ControllerParameters { robot, min_tension, max_tension, .. } = parameters;
-    let geometry = Geometry::new(robot);
-    let to = &within_reach(parameters, from, to);
+    let rig = &parameters.rig;
+    let to = &within_reach(rig, from, to);
     (0..=POINTS).find_map(|k| {
         let at = Pose(from.0.lerp(&to.0, f64::from(k) / f64::from(POINTS)));
-        let breach = |(i, u): (usize, f64)| {
-            let limit =
-                if u <= *min_tension { *min_tension } else { (u > *max_tension).then_some(*max_tension)? };
-            Some(Barrier { cable: i + 1, limit, at })
-        };
-        static_tensions(robot, &geometry, &at)?.into_iter().enumerate().find_map(breach)
+        control::barrier(rig, &at).map(|limit| Barrier { limit, at })
     })
 }

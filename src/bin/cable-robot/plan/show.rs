@@ -3,15 +3,16 @@
 use std::fmt::Write;
 
 use cable_robot::plan::ControllerParameters;
+use cable_robot::plan::PlannerKind;
 use cable_robot::plan::extremes::{Extremes, TensionAt};
 use cable_robot::plan::planner::{FAR, Planner as SetPoints, STEEPEST};
+use cable_robot::report::facts::limits;
 use cable_robot::robot::Pose;
 use cable_robot::robot::pose::PITCH;
 use serde_json::{Value, json};
 
 use super::{Barrier, MOST_SET_POINTS, Obstacle, Plan, Planned};
-use crate::arguments::Planner;
-use crate::metres;
+use crate::{metres, number};
 
 pub fn as_text(plan: &Plan, planned: &Planned, parameters: &ControllerParameters) -> String {
     let mut text = set_points(plan, planned);
@@ -56,7 +57,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         *text +=
             "  at the goal the wrench matrix is singular: there is a force or torque that no tensions give\n";
     }
-    if plan.is_turned() && plan.planner == Planner::Bounded {
+    if plan.is_turned() && parameters.planner == PlannerKind::Bounded {
         *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
     }
     let is_steep = plan.to.0[PITCH].abs() >= STEEPEST;
@@ -66,21 +67,22 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             "  it is pitched by {STEEPEST} rad or more, where the angles hardly tell the orientation"
         );
     }
-    let far = FAR * parameters.robot.a;
-    if plan.to.position().amax() > far {
-        let _ =
-            writeln!(text, "  it is farther than {far} m (100 a) from the base, where nothing is looked for");
+    if !SetPoints::from(*parameters).is_near(&plan.to) {
+        let far = number(FAR * parameters.rig.radius());
+        let _ = writeln!(
+            text,
+            "  it is farther than {far} m ({FAR} radii of the rig) from the anchors, where nothing is looked for"
+        );
     }
     match &obstacle.broken {
         Some(broken @ Extremes { first_outside: Some(first), .. }) => {
             let _ = writeln!(
                 text,
-                "  the step from the last set point straight to it breaks the limits ({} to {} N): {}",
-                parameters.min_tension,
-                parameters.max_tension,
+                "  the step from the last set point straight to it breaks the limits ({}): {}",
+                limits(&parameters.rig),
                 described(first)
             );
-            let above = first.tension > parameters.max_tension;
+            let above = first.tension > parameters.rig.cables[first.cable - 1].limits.max;
             if !obstacle.singular {
                 let worst = if above { &broken.greatest } else { &broken.smallest };
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
@@ -88,15 +90,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         }
         _ if obstacle.barrier.is_some() || is_steep => {}
         _ => {
-            let why = match plan.planner {
-                Planner::Bounded => {
+            let why = match parameters.planner {
+                PlannerKind::Bounded => {
                     "it plans at one height and with zero orientation, and every tension at rest keeps 0.17 % of the weight from its limits"
                 }
-                Planner::Exact => {
+                PlannerKind::Exact => {
                     "every tension keeps 0.17 % of the weight from its limits, and more on quick steps"
                 }
             };
-            let _ = writeln!(text, "  planner {:?} has no step to it: {why}", plan.planner);
+            let _ = writeln!(text, "  planner {:?} has no step to it: {why}", parameters.planner);
         }
     }
     match &obstacle.nearest {
@@ -109,12 +111,13 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             let _ = writeln!(text, "  no other point can be had from there in {MOST_SET_POINTS} set points");
         }
     }
-    if let Some(Barrier { cable, limit, at }) = &obstacle.barrier {
-        let breach = match *limit {
-            0.0 => "slack".to_owned(),
-            limit if limit == parameters.max_tension => format!("above {limit} N"),
-            limit => format!("below {limit} N"),
+    if let Some(Barrier { limit, at }) = &obstacle.barrier {
+        let breach = match (limit.is_greatest, limit.limit) {
+            (true, limit) => format!("above {limit} N"),
+            (false, 0.0) => "slack".to_owned(),
+            (false, limit) => format!("below {limit} N"),
         };
+        let cable = limit.cable;
         let _ = writeln!(text, "  held back by cable {cable}, at rest {breach} from {} on", place_of(at));
     } else if obstacle.broken.is_some() {
         *text += "  at rest no limit is broken between there and the goal, but less than the planner keeps, 0.17 % of the weight, is left\n";
@@ -136,8 +139,8 @@ pub fn as_json(plan: &Plan, planned: &Planned, parameters: &ControllerParameters
                 "distance": distance(plan, parameters, &nearest),
             })),
             "barrier": obstacle.barrier.as_ref().map(|barrier| json!({
-                "cable": barrier.cable,
-                "limit": barrier.limit,
+                "cable": barrier.limit.cable,
+                "limit": barrier.limit.limit,
                 "pose": pose(&barrier.at),
             })),
         })

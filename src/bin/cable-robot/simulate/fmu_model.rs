@@ -6,18 +6,19 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot::cosim::{
     Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
 };
-use cable_robot::fmi::Model;
 use cable_robot::fmi::models::{controller, plant};
 use cable_robot::fmi::values::Values;
-use cable_robot::fmi::variables::{Causality as Role, Row};
+use cable_robot::fmi::variables::Causality as Role;
+use cable_robot::fmi::{Interface, Model};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource};
 use cable_robot::report::{recording::column, run_folder};
+use cable_robot::robot::{RigFile, Shape};
 use cable_robot::sim::{ControllerModel, ModelError, PlantInputs, PlantModel, PlantOutputs, Scenario};
 
 /// An FMU in the place of ours. Its variables are found by the names of ours; what it lacks is left out.
 pub struct FmuModel {
     instance: Instance,
-    model: Model,
+    interface: Interface,
     inputs: Vec<(u32, Variable)>,
     outputs: Vec<(u32, Variable)>,
     values: Values,
@@ -46,24 +47,25 @@ impl FmuModel {
             ),
         };
         let instance = fmu.instantiate(name, Box::new(say))?;
-        let mut values = Values::new(model.rows());
+        let interface = interface(model, &fmu, scenario);
+        let mut values = interface.start().clone();
         match model {
-            Model::Controller => controller::write_parameters(&scenario.controller, &mut values),
-            Model::Plant => plant::write_parameters(&scenario.plant, &mut values),
+            Model::Controller => controller::write_parameters(&interface, &scenario.controller, &mut values),
+            Model::Plant => plant::write_parameters(&interface, &scenario.plant, &mut values),
         }
-        for (reference, variable) in shared(&instance, model, Role::Parameter)? {
+        for (reference, variable) in shared(&instance, &interface, Role::Parameter)? {
             instance.set(&variable, typed(variable.kind, values.at(reference)))?;
         }
-        let inputs = shared(&instance, model, Role::Input)?;
-        let outputs = shared(&instance, model, Role::Output)?;
-        let found = Self { instance, model, inputs, outputs, values, phase: Phase::Instantiated };
+        let inputs = shared(&instance, &interface, Role::Input)?;
+        let outputs = shared(&instance, &interface, Role::Output)?;
+        let found = Self { instance, interface, inputs, outputs, values, phase: Phase::Instantiated };
         found.require_essentials(&scenario.controller).with_context(|| format!("{}", path.display()))?;
         Ok(found)
     }
 
     /// Which of the two it stands for.
     pub fn model(&self) -> Model {
-        self.model
+        self.interface.model()
     }
 
     /// For `run.json`.
@@ -83,13 +85,13 @@ impl FmuModel {
     /// Columns of a run that it cannot fill.
     pub fn lacking(&self) -> Vec<String> {
         let own = |reference: u32| self.outputs.iter().any(|(known, _)| *known == reference);
-        let missing = scalars(self.model, Role::Output).filter(|(_, reference)| !own(*reference));
-        missing.map(|(name, _)| column(self.model, &name)).collect()
+        let missing = scalars(&self.interface, Role::Output).filter(|(_, reference)| !own(*reference));
+        missing.map(|(name, _)| column(self.model(), &name)).collect()
     }
 
     /// Without these there is no loop: motors and pose, and what the controller's settings say it reads besides.
     fn require_essentials(&self, controller: &ControllerParameters) -> Result<()> {
-        let essentials = match self.model {
+        let essentials = match self.model() {
             Model::Controller => vec![(Role::Output, "motorTension", &self.outputs)],
             Model::Plant => {
                 let [pose, lengths, cells] = ["encoderPose", "cableLength", "measuredTension"]
@@ -101,7 +103,7 @@ impl FmuModel {
             }
         };
         for (role, essential, have) in essentials {
-            let needed = scalars(self.model, role).filter(|(name, _)| name.starts_with(essential));
+            let needed = scalars(&self.interface, role).filter(|(name, _)| name.starts_with(essential));
             for (name, reference) in needed {
                 let has = have.iter().any(|(known, _)| *known == reference);
                 ensure!(has, "a {} needs the {} {name}", self.instance.name(), role.name());
@@ -196,13 +198,25 @@ fn say(message: &LogMessage) {
 }
 
 /// Names and value references of our variables in a role.
-fn scalars(model: Model, role: Role) -> impl Iterator<Item = (String, u32)> {
-    let names = |row: &'static Row| row.references().map(move |i| (row.scalar_name(i), i));
-    model.rows_with(role).flat_map(names)
+fn scalars(interface: &Interface, role: Role) -> impl Iterator<Item = (String, u32)> {
+    let in_role = interface.scalars().filter(move |scalar| scalar.row.causality == role);
+    in_role.map(|scalar| (scalar.name(), scalar.reference))
+}
+
+/// Which names to look for: those of the paper's rig, where it is that and the FMU does not have the cables one by one.
+fn interface(model: Model, fmu: &Fmu, scenario: &Scenario) -> Interface {
+    let rig = scenario.plant.rig;
+    let is_paper = Shape::of(&rig).is_ok_and(|shape| shape.is_in_place());
+    if is_paper && fmu.description().variable("anchor[1].x").is_none() {
+        return model.interface();
+    }
+    let (lambda, eta) = (scenario.controller.lambda, scenario.controller.eta);
+    let home = scenario.plant.initial_pose;
+    Interface::of_rig(model, &RigFile { name: scenario.rig.clone(), rig, home, lambda, eta })
 }
 
 /// Our value references and the FMU's variables, where it has one of the same name and role.
-fn shared(instance: &Instance, model: Model, role: Role) -> Result<Vec<(u32, Variable)>> {
+fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<(u32, Variable)>> {
     let theirs = match role {
         Role::Parameter => Causality::Parameter,
         Role::Input => Causality::Input,
@@ -210,7 +224,7 @@ fn shared(instance: &Instance, model: Model, role: Role) -> Result<Vec<(u32, Var
         Role::Independent => Causality::Independent,
     };
     let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);
-    let both = scalars(model, role).filter(|(name, _)| has(name));
+    let both = scalars(interface, role).filter(|(name, _)| has(name));
     both.map(|(name, reference)| Ok((reference, instance.variable(&name)?.clone()))).collect()
 }
 

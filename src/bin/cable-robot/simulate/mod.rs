@@ -26,7 +26,7 @@ use self::interruption::Interruption;
 use self::summary::Summary;
 use crate::arguments::{Planner, pose, seconds};
 use crate::progress::Progress;
-use crate::rig::{RigArgument, require_rest};
+use crate::rig::{RigArgument, require_below, require_rest};
 use crate::{Outcome, is_closed_pipe, print, print_json, say};
 
 pub const EXAMPLE: &str = "\
@@ -61,9 +61,9 @@ pub struct Simulate {
     /// Time between two steps of the controller, s
     #[arg(long, value_parser = seconds, default_value = "0.001", allow_negative_numbers = true)]
     step: f64,
-    /// Reachable domain to plan with
-    #[arg(long, value_enum, default_value_t = Planner::Bounded)]
-    planner: Planner,
+    /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
+    #[arg(long, value_enum)]
+    planner: Option<Planner>,
     /// A controller or plant (FMI 2.0 or 3.0 co-simulation) in place of ours; may be given twice
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     fmu: Vec<PathBuf>,
@@ -99,7 +99,8 @@ impl Simulate {
         let lacking = models.lacking.clone();
         let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
         self.output.as_deref().map_or(Ok(()), prepare)?;
-        let (mut recording, interruption) = (Recording::new(), Interruption::listen()?);
+        let (mut recording, interruption) =
+            (Recording::new(scenario.plant.rig.cables.len()), Interruption::listen()?);
         let end = simulate(&scenario, models, &mut recording, &interruption);
 
         let mut table = recording.into_table();
@@ -167,17 +168,18 @@ impl Simulate {
 
     /// One goal, an ideal rig.
     fn short_form(&self, to: Pose) -> Result<Scenario> {
-        let (file, controller) = self.rig.read_with_controller(self.planner.kind())?;
+        let (file, controller) = self.rig.read_with_controller(self.planner.map(Planner::kind))?;
         let from = self.from.unwrap_or(file.home);
         if let Err(right) = count_steps(self.duration, self.step) {
             bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
         }
         let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
         require_rest(&controller, &name, &from)?;
+        require_below(&file.rig, "--to", &to)?;
         Ok(Scenario {
             title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
-            rig: file.rig.name,
-            plant: PlantParameters { robot: controller.robot, initial_pose: from, ..Default::default() },
+            rig: file.name,
+            plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
             controller,
             goals: vec![Goal { time: 0.0, pose: to }],
             disturbances: vec![],

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::plan::ControllerParameters;
 use cable_robot::report::files::read_text;
 use cable_robot::robot::RigFile;
 use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
@@ -30,11 +30,11 @@ fn from_file(path: &Path) -> Result<Scenario> {
 fn parse(text: &str, folder: &Path) -> Result<Scenario> {
     let file = ScenarioFile::parse(text)?;
     let (rig, base) = match file.rig() {
-        Some((line, path)) => rig::read_with_controller(&folder.join(path), PlannerKind::Bounded)
+        Some((line, path)) => rig::read_with_controller(&folder.join(path), None)
             .with_context(|| format!("line {line}: rig = {path:?}"))?,
         None => (RigFile::default(), ControllerParameters::default()),
     };
-    let scenario = file.scenario(&rig.rig.name, rig.home, base)?;
+    let scenario = file.scenario(&rig.name, rig.home, base)?;
     let start = match (file.start_line(), file.rig()) {
         (Some(line), _) => format!("line {line}: start"),
         (None, Some((line, path))) => format!("line {line}: rig = {path:?}: home"),

@@ -1,14 +1,12 @@
 //! Random cases, a rig with a state and a set point, that a domain admits, and the tensions along their motion.
 
 use cable_robot::control::response::instants;
-use cable_robot::control::{Gains, Response};
+use cable_robot::control::{Gains, Response, tensions};
 use cable_robot::reach::ExactDomain;
 use cable_robot::reach::certificate::{Step, Verdict, certify};
-use cable_robot::robot::{
-    CABLES, Coordinates, Geometry, PerCable, Pose, Rig, RobotParameters, TensionLimits, tensions,
-};
+use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
 use clap::ValueEnum;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -59,7 +57,7 @@ fn translation(rng: &mut Pcg64) -> Option<Case> {
     rates.fixed_rows_mut::<3>(0).copy_from(&velocity);
     let pose = |p: Vector3<f64>| Pose::at(p.x, p.y, p.z);
     Some(Case {
-        rig: Rig::triangular(&robot, limits),
+        rig: Rig::paper(&robot, limits),
         step: Step { start: pose(start), rates, set_point: pose(x_d), gains },
     })
 }
@@ -68,15 +66,16 @@ fn translation(rng: &mut Pcg64) -> Option<Case> {
 /// moving from a start in motion.
 fn any_step(rng: &mut Pcg64) -> Option<Case> {
     let robot = random_robot(rng);
-    let mut rig = Rig::triangular(&robot, random_limits(rng, &robot));
+    let mut rig = Rig::paper(&robot, random_limits(rng, &robot));
     let disorder = rng.random_range(0.0..0.5);
     let mut displacement = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
     let offset = displacement(0.2 * robot.b);
-    for i in 0..CABLES {
-        rig.anchors[i] += displacement(disorder * robot.a);
-        rig.attachments[i] += displacement(disorder * robot.b) + offset;
+    for cable in rig.cables.iter_mut() {
+        cable.anchor += displacement(disorder * robot.a);
+        cable.attachment += displacement(disorder * robot.b) + offset;
     }
-    rig.inertia = Vector3::from_fn(|_, _| rng.random_range(0.05..0.8)) * (robot.m * robot.b * robot.b);
+    let moments = Vector3::from_fn(|_, _| rng.random_range(0.05..0.8)) * (robot.m * robot.b * robot.b);
+    rig.inertia = Matrix3::from_diagonal(&moments);
 
     let size = rng.random_range(0.02..0.3);
     let mut pose = || {
@@ -121,7 +120,7 @@ fn random_gains(rng: &mut Pcg64, range: std::ops::Range<f64>) -> Gains {
 impl Case {
     /// Smallest distance of a tension from a limit at `count` instants, denser at the start, N: negative beyond it.
     pub fn smallest_margin(&self, count: usize) -> f64 {
-        let TensionLimits { min, max } = self.rig.limits;
+        let TensionLimits { min, max } = self.rig.common_limits();
         let margin = |u: f64| (u - min).min(max - u);
         // A singular wrench matrix counts as beyond.
         instants(12.0 / self.step.slow_rate(), count)
@@ -134,20 +133,8 @@ impl Case {
 
     /// The tensions `t` seconds after the start, N, by the 6x6 inverse dynamics.
     fn tensions_at(&self, t: f64) -> Option<PerCable<f64>> {
-        let (robot, geometry) = body(&self.rig);
         let Step { start, rates, set_point, gains } = &self.step;
         let (pose, rates, acceleration) = Response::at(gains, t).motion_of(start, rates, set_point);
-        tensions(&robot, &geometry, &pose, &rates, &acceleration)
+        tensions(&self.rig, &pose, &rates, &acceleration, 0.0)
     }
-}
-
-/// What the inverse dynamics take of a rig of six cables.
-pub fn body(rig: &Rig) -> (RobotParameters, Geometry) {
-    let [i1, i2, i3] = rig.inertia.into();
-    let robot = RobotParameters { m: rig.mass, i1, i2, i3, g: rig.g, ..Default::default() };
-    let geometry = Geometry {
-        anchor: std::array::from_fn(|i| rig.anchors[i]),
-        attachment: std::array::from_fn(|i| rig.attachments[i]),
-    };
-    (robot, geometry)
 }

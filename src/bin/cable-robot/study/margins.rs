@@ -14,7 +14,7 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::cases::{Case, body};
+use super::cases::Case;
 use super::plant::{ImperfectPlant, Truth};
 use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
@@ -167,17 +167,16 @@ fn random_case(rng: &mut Pcg64) -> (Case, Truth) {
     let (m, i1, i2, i3) = (wrong(DISC.m), wrong(DISC.i1), wrong(DISC.i2), wrong(DISC.i3));
     let offset = random_vector(rng, MARGINS.centre_of_mass);
     let robot = RobotParameters { m, i1, i2, i3, ..DISC };
-    let mut rig = Rig::triangular(&DISC, TensionLimits { min: 0.0, max: 100.0 });
-    rig.attachments.iter_mut().for_each(|attachment| *attachment -= offset);
+    let mut rig = Rig::paper(&DISC, TensionLimits { min: 0.0, max: 100.0 });
+    rig.cables.iter_mut().for_each(|cable| cable.attachment -= offset);
     (Case { rig, step }, Truth { robot, offset, friction: MARGINS.friction })
 }
 
 /// Least and greatest tension commanded or pulled on the way, N, and whether a cable was slack. The law knows the rig and sees
 /// states one period old.
 fn run(fmu: &Fmu, rng: &mut Pcg64, step: &Step, rig: &Rig, truth: &Truth) -> Result<([f64; 2], bool)> {
-    let (robot, geometry) = body(rig);
     let law = |(pose, rates): &(Pose, Coordinates)| {
-        lyapunov::tension_command(&robot, &geometry, &step.gains, pose, rates, &step.set_point)
+        lyapunov::tension_command(rig, &step.gains, pose, rates, &step.set_point, 0.0)
             .context("the law met a singular pose")
     };
     let mut told = (step.start, step.rates);

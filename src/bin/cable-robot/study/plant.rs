@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 use cable_robot::cosim::{Fmu, Instance, Value, Variable};
-use cable_robot::robot::{CABLES, Coordinates, PerCable, Pose, RobotParameters};
+use cable_robot::robot::triangles::SIX;
+use cable_robot::robot::{Coordinates, PerCable, Pose, RobotParameters};
 use nalgebra::Vector3;
 
 /// What is true of the platform.
@@ -37,7 +38,7 @@ impl ImperfectPlant {
         let find = |names: Vec<String>| -> Result<Vec<Variable>> {
             names.iter().map(|name| Ok(instance.variable(name)?.clone())).collect()
         };
-        let cables = |name: &str| find((1..=CABLES).map(|i| format!("{name}[{i}]")).collect());
+        let cables = |name: &str| find((1..=SIX).map(|i| format!("{name}[{i}]")).collect());
         let axes = |names: &[&str], axes: &[&str]| {
             find(
                 names.iter().flat_map(|name| axes.iter().map(move |axis| format!("{name}.{axis}"))).collect(),

@@ -107,7 +107,7 @@ impl Found {
 
     fn in_case(case: &Case) -> Self {
         let margin = case.smallest_margin(INSTANTS);
-        let weight = case.rig.mass * case.rig.g;
+        let weight = case.rig.weight();
         Self { tried: 1, admitted: 1, broken: u64::from(margin <= 0.0), smallest: margin / weight }
     }
 

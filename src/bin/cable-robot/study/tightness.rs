@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use cable_robot::control::response::instants;
-use cable_robot::control::{Gains, Response};
+use cable_robot::control::{Gains, Response, tensions};
 use cable_robot::reach::exact::NEVER_SLACK;
 use cable_robot::reach::{BoundedDomain, ExactDomain};
-use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, tensions};
+use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters};
 use clap::Args;
 use nalgebra::{Vector2, Vector3};
 use rand::SeedableRng;
@@ -109,11 +109,11 @@ impl Tightness {
 
 /// Whether every sampled tension is positive.
 fn is_taut(robot: &RobotParameters, gains: &Gains, from: &Vector2<f64>, to: &Vector2<f64>, z: f64) -> bool {
-    let geometry = Geometry::new(robot);
+    let rig = Rig::paper(robot, NEVER_SLACK);
     let [from, to] = [from, to].map(|point| Pose::at(point.x, point.y, z));
     instants(15.0 / gains.lambda, INSTANTS).all(|t| {
         let (pose, rates, acceleration) = Response::at(gains, t).motion_of(&from, &Coordinates::zeros(), &to);
-        let u = tensions(robot, &geometry, &pose, &rates, &acceleration);
+        let u = tensions(&rig, &pose, &rates, &acceleration, 0.0);
         u.is_some_and(|u| u.iter().all(|u| *u > 0.0))
     })
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use cable_robot::control::Response;
 use cable_robot::plan::planner::{Planner, Situation};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
-use cable_robot::robot::{Coordinates, Pose, RobotParameters};
+use cable_robot::robot::{Coordinates, Pose, RobotParameters, TensionLimits};
 use clap::Args;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -138,13 +138,14 @@ fn time_to_goal(gain: f64, way: Way, from: Pose, goal: Pose) -> Option<f64> {
     let planner = if way == Way::Bounded { PlannerKind::Bounded } else { PlannerKind::Exact };
     // The exact planner keeps 0.1 N of its own (with Table I).
     let min_tension = if way == Way::Bounded { LEAST } else { 0.0 };
-    let parameters =
-        ControllerParameters { lambda: gain, eta: gain, min_tension, planner, ..Default::default() };
+    let mut parameters = ControllerParameters { lambda: gain, eta: gain, planner, ..Default::default() };
+    parameters.rig = parameters.rig.with_limits(TensionLimits { min: min_tension, max: 100.0 });
+    let rest = parameters.rest();
     let (response, planner) =
         (Response::at(&parameters.gains(), parameters.planner_period), Planner::from(parameters));
     let (mut pose, mut rates, mut set_point) = (from, Coordinates::zeros(), from);
     for tick in 0..(PATIENCE / parameters.planner_period) as u32 {
-        let now = Situation { pose: &pose, rates: &rates, set_point: &set_point, hold: 0.0 };
+        let now = Situation { pose: &pose, rates: &rates, set_point: &set_point, hold: 0.0, rest };
         let steady = now.is_steady();
         if steady && set_point == goal {
             return Some(f64::from(tick) * parameters.planner_period);

@@ -4,16 +4,17 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot::cosim::{
     Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
 };
-use cable_robot::fmi::Model;
 use cable_robot::fmi::models::controller;
 use cable_robot::fmi::values::Values;
-use cable_robot::fmi::variables::{Causality as Role, Kind, Row};
+use cable_robot::fmi::variables::{Causality as Role, Kind};
+use cable_robot::fmi::{Interface, Model};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::report::run_folder;
+use cable_robot::rig::CABLES;
 use cable_robot::rig::config::Parameter;
 use cable_robot::rig::controller::ControllerFailure;
 use cable_robot::rig::{Config, TensionController};
-use cable_robot::robot::{CABLES, Geometry, Pose};
+use cable_robot::robot::{PerCable, Pose};
 
 /// An instance in Step Mode.
 ///
@@ -44,20 +45,21 @@ impl FmuController {
     }
 
     fn start(instance: Instance, config: &Config) -> Result<Self> {
-        let mut values = Values::new(controller::ROWS);
+        let interface = Model::Controller.interface();
+        let mut values = interface.start().clone();
         for (name, parameter) in &config.controller.parameters {
-            let (reference, number) = parameter_value(name, parameter)?;
+            let (reference, number) = parameter_value(&interface, name, parameter)?;
             values.put(reference, number);
         }
-        for (reference, variable) in shared(&instance, Role::Parameter)? {
+        for (reference, variable) in shared(&instance, &interface, Role::Parameter)? {
             instance.set(&variable, typed(variable.kind, values.at(reference)))?;
         }
         let period = config.period as f64 * 1e-9;
         let mut this = Self {
             path: config.controller.fmu.clone(),
-            parameters: controller::controller_parameters(&values),
-            inputs: shared(&instance, Role::Input)?,
-            outputs: shared(&instance, Role::Output)?,
+            parameters: controller::controller_parameters(&interface, &values),
+            inputs: shared(&instance, &interface, Role::Input)?,
+            outputs: shared(&instance, &interface, Role::Output)?,
             values,
             instance,
             time: 0.0,
@@ -141,11 +143,10 @@ impl TensionController for FmuController {
 /// At home, not enabled.
 fn at_rest(config: &Config) -> ControllerInputs {
     let Config { home, controller, .. } = config;
-    let cables = Geometry::new(&controller.robot).cables(&home.position(), &home.rotation());
     ControllerInputs {
         encoder_pose: *home,
-        cable_length: cables.length,
-        measured_tension: [0.0; CABLES],
+        cable_length: controller.rig().cables_at(home).length,
+        measured_tension: PerCable::filled(CABLES, 0.0),
         goal_pose: Pose(home.0),
         enable: false,
     }
@@ -159,22 +160,22 @@ fn say(message: &LogMessage) {
 }
 
 /// Value reference and number of a parameter of the rig file.
-fn parameter_value(name: &str, parameter: &Parameter) -> Result<(u32, f64)> {
-    let mut rows = Model::Controller.rows_with(Role::Parameter);
+fn parameter_value(interface: &Interface, name: &str, parameter: &Parameter) -> Result<(u32, f64)> {
+    let mut rows = interface.rows_with(Role::Parameter);
     let Some(row) = rows.find(|row| row.name == name) else {
-        let known: Vec<_> = Model::Controller.rows_with(Role::Parameter).map(|row| row.name).collect();
+        let known: Vec<_> = interface.rows_with(Role::Parameter).map(|row| row.name).collect();
         bail!("controller.parameters.{name}: the controller has {}", known.join(", "));
     };
     let number = match (row.kind, parameter) {
         (Kind::Boolean, Parameter::Boolean(flag)) => f64::from(u8::from(*flag)),
         (Kind::Float64 | Kind::Int32, Parameter::Number(number)) => *number,
         (Kind::Enumeration(kind), Parameter::Item(item)) => {
-            let place = kind.items.iter().position(|(known, _)| known == item);
-            let known: Vec<_> = kind.items.iter().map(|(known, _)| *known).collect();
-            let place = place.with_context(|| {
+            let found = kind.numbered().find(|(_, known, _)| known == item);
+            let known: Vec<_> = kind.numbered().map(|(_, known, _)| known).collect();
+            let (number, ..) = found.with_context(|| {
                 format!("controller.parameters.{name} = {item}: it is one of {}", known.join(", "))
             })?;
-            (place + 1) as f64
+            f64::from(number)
         }
         _ => bail!("controller.parameters.{name} = {parameter:?}: it is a {}", row.kind.name()),
     };
@@ -182,7 +183,7 @@ fn parameter_value(name: &str, parameter: &Parameter) -> Result<(u32, f64)> {
 }
 
 /// Our value references and the FMU's variables, where it has one of the same name and role.
-fn shared(instance: &Instance, role: Role) -> Result<Vec<(u32, Variable)>> {
+fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<(u32, Variable)>> {
     let theirs = match role {
         Role::Parameter => Causality::Parameter,
         Role::Input => Causality::Input,
@@ -190,9 +191,8 @@ fn shared(instance: &Instance, role: Role) -> Result<Vec<(u32, Variable)>> {
         Role::Independent => Causality::Independent,
     };
     let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);
-    let names = |row: &'static Row| row.references().map(move |i| (row.scalar_name(i), i));
-    let ours = Model::Controller.rows_with(role).flat_map(names);
-    let both = ours.filter(|(name, _)| has(name));
+    let ours = interface.scalars().filter(|scalar| scalar.row.causality == role);
+    let both = ours.map(|scalar| (scalar.name(), scalar.reference)).filter(|(name, _)| has(name));
     both.map(|(name, reference)| Ok((reference, instance.variable(&name)?.clone()))).collect()
 }
 

@@ -24,9 +24,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, ensure};
-use cable_robot::plan::ControllerParameters;
 use cable_robot::rig::bridge::Bridge;
 use cable_robot::rig::{Config, bus_load, export};
+use cable_robot::robot::TensionLimits;
 use cable_robot::transport;
 use clap::Parser;
 
@@ -175,8 +175,8 @@ fn drive(
     let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
     let stop = signals::listen()?;
     let (commands, _terminal) = operator::listen(&config)?;
-    let ControllerParameters { min_tension, max_tension, .. } = controller.parameters();
-    let (teller, journal) = Journal::start(recording, stream, &config, [min_tension, max_tension])?;
+    let TensionLimits { min, max } = controller.parameters().rig.common_limits();
+    let (teller, journal) = Journal::start(recording, stream, &config, [min, max])?;
     real_time::say_panics_briefly();
     if !arguments.no_realtime {
         real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));

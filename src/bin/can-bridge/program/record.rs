@@ -9,7 +9,7 @@ use cable_robot::plan::{ControllerInputs, ControllerOutputs};
 use cable_robot::report::recording::{Recording as Rows, columns};
 use cable_robot::report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
 use cable_robot::rig::bridge::{CycleReport, Event};
-use cable_robot::rig::{Config, Nanoseconds, OperatorCommand, State};
+use cable_robot::rig::{CABLES, Config, Nanoseconds, OperatorCommand, State};
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
 use nalgebra::Vector3;
@@ -174,7 +174,7 @@ impl Run {
             step: config.period as f64 * 1e-9,
             controller_parameters: controller.parameters(),
             plant_parameters: PlantParameters {
-                robot: config.controller.robot,
+                rig: config.controller.rig(),
                 initial_pose: config.home,
                 ..PlantParameters::default()
             },
@@ -182,7 +182,7 @@ impl Run {
         Self {
             folder: folder.to_owned(),
             info,
-            rows: Rows::new(),
+            rows: Rows::new(CABLES),
             csv: None,
             begun: 0,
             answer: None,
@@ -208,15 +208,18 @@ impl Run {
         }
         let moment = moment(report, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
         let row = self.rows.row(&moment);
-        let kept =
-            columns().into_iter().zip(row).filter(|(name, _)| is_measured(name)).map(|(_, value)| value);
+        let kept = columns(CABLES)
+            .into_iter()
+            .zip(row)
+            .filter(|(name, _)| is_measured(name))
+            .map(|(_, value)| value);
         let row: Vec<f64> = std::iter::once(moment.time).chain(kept).collect();
         self.csv.as_mut().map_or(Ok(()), |csv| csv.serialize(row).map_err(io::Error::from))
     }
 
     fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
         let mut csv = csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV))?);
-        let kept = columns().into_iter().filter(|name| is_measured(name));
+        let kept = columns(CABLES).into_iter().filter(|name| is_measured(name));
         csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
         fs::write(self.folder.join(RUN_JSON), serde_json::to_string_pretty(&self.info)? + "\n")?;
         (self.csv, self.begun) = (Some(csv), time);
@@ -234,20 +237,20 @@ fn moment(report: &CycleReport, answer: &ControllerOutputs, goal: Pose, time: f6
         time,
         controller_inputs: ControllerInputs {
             encoder_pose: report.pose,
-            cable_length: report.length,
-            measured_tension: report.measured,
+            cable_length: report.length.into(),
+            measured_tension: report.measured.into(),
             goal_pose: goal,
             enable: report.state == State::Enabled,
         },
-        controller: ControllerOutputs { motor_tension: report.tension, ..*answer },
-        plant_inputs: PlantInputs { motor_tension: report.tension, ..PlantInputs::default() },
+        controller: ControllerOutputs { motor_tension: report.tension.into(), ..*answer },
+        plant_inputs: PlantInputs { motor_tension: report.tension.into(), ..PlantInputs::none(CABLES) },
         plant: PlantOutputs {
             encoder_pose: report.pose,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
-            cable_length: report.length,
-            measured_tension: report.measured,
-            slack: report.measured.map(|tension| tension <= 0.0),
+            cable_length: report.length.into(),
+            measured_tension: report.measured.into(),
+            slack: report.measured.map(|tension| tension <= 0.0).into(),
         },
     }
 }

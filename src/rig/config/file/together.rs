@@ -3,12 +3,12 @@
 use toml::Spanned;
 
 use super::{DriveEntry, File};
+use crate::control::static_tensions;
+use crate::rig::CABLES;
 use crate::rig::canopen::{Node, Object};
 use crate::rig::cia402::{CONTROL_WORD, MAX_TORQUE, MODE, TARGET_TORQUE};
 use crate::rig::config::check::Check;
 use crate::rig::config::{Config, ConfigError, Parameter};
-use crate::control::static_tensions;
-use crate::rig::CABLES;
 
 /// Objects that the bridge sets itself; of the first ones every subindex.
 const OWN_INDICES: [u16; 6] = [0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00];
