@@ -14,7 +14,7 @@ use cable_robot::reach::certificate::{Step, certify};
 use cable_robot::reach::exact::NEVER_SLACK;
 use cable_robot::reach::{BoundedDomain, ExactDomain};
 use cable_robot::robot::{
-    Coordinates, Geometry, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
+    Coordinates, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
 };
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -35,10 +35,10 @@ fn inputs(plant: &Plant, goal: Pose) -> ControllerInputs {
 
 /// Plant and controller at rest at the paper's start, each pulling what holds it there.
 fn at_rest() -> (Controller, Plant, PlantInputs) {
-    let hanging = Plant::new(PlantParameters::default(), &PlantInputs::default()).unwrap();
+    let hanging = Plant::new(PlantParameters::default(), &PlantInputs::none(6)).unwrap();
     let controller =
         Controller::new(ControllerParameters::default(), 0.0, &inputs(&hanging, Pose::default())).unwrap();
-    let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..Default::default() };
+    let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
     (controller, Plant::new(PlantParameters::default(), &pull).unwrap(), pull)
 }
 
@@ -77,11 +77,11 @@ fn fmi_steps(c: &mut Criterion) {
 }
 
 fn kinematics(c: &mut Criterion) {
-    let geometry = Geometry::new(&RobotParameters::default());
+    let rig = RigFile::default().rig;
     let pose = Pose::at(0.001, 0.002, 1.001);
-    let length = geometry.cables(&pose.position(), &pose.rotation()).length;
+    let length = rig.cables_at(&pose).length;
     c.bench_function("forward kinematics, 2 mm from the guess", |b| {
-        b.iter(|| forward_kinematics(&geometry, black_box(&length), &Pose::default()).unwrap())
+        b.iter(|| forward_kinematics(&rig, black_box(&length), &Pose::default()).unwrap())
     });
 }
 
@@ -111,7 +111,7 @@ fn exact(c: &mut Criterion) {
     c.bench_function("exact test from rest", |b| b.iter(|| at_rest.contains(black_box(&goal))));
     c.bench_function("exact test from a velocity", |b| b.iter(|| moving.contains(black_box(&goal))));
     c.bench_function("exact ray from rest", |b| b.iter(|| at_rest.ray(black_box(&(goal - from)))));
-    let rig = Rig::triangular(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+    let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
     let step = |set_point| Step { start: Pose::default(), rates: Coordinates::zeros(), set_point, gains };
     let near = step(Pose(Coordinates::new(0.05, 0.02, 0.95, 0.02, 0.0, 0.05)));
     let far = step(Pose::at(0.3, 0.0, 1.0));

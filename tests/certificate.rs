@@ -1,35 +1,29 @@
 //! The certificate against dense sampling, closed forms and the plant.
 
-use cable_robot::control::{Gains, Response, lyapunov};
+use cable_robot::control::{Gains, Response, lyapunov, tensions};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify, certify_with_margins};
 use cable_robot::reach::in_static_workspace;
-use cable_robot::robot::geometry::FACET_NORMALS;
-use cable_robot::robot::{Coordinates, Geometry, Pose, Rig, RobotParameters, TensionLimits, tensions};
+use cable_robot::robot::triangles::FACET_NORMALS;
+use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 const TAUT: TensionLimits = TensionLimits { min: 0.0, max: 100.0 };
 
 fn paper() -> Rig {
-    Rig::triangular(&RobotParameters::default(), TAUT)
+    Rig::paper(&RobotParameters::default(), TAUT)
 }
 
 /// The tensions along the closed form, by plain floating point arithmetic.
-fn sampled(rig: &Rig, step: &Step, time: f64) -> Option<[f64; 6]> {
-    let geometry = Geometry {
-        anchor: std::array::from_fn(|i| rig.anchors[i]),
-        attachment: std::array::from_fn(|i| rig.attachments[i]),
-    };
-    let [i1, i2, i3] = rig.inertia.into();
-    let robot = RobotParameters { m: rig.mass, i1, i2, i3, g: rig.g, ..Default::default() };
+fn sampled(rig: &Rig, step: &Step, time: f64) -> Option<PerCable<f64>> {
     let response = Response::at(&step.gains, time);
     let error = step.start.minus(&step.set_point);
     let moved =
         |k: usize| response.motion(step.set_point.0[k] + error[k], step.rates[k], step.set_point.0[k]);
     let of = |derivative: usize| Coordinates::from_fn(|k, _| moved(k)[derivative]);
-    tensions(&robot, &geometry, &Pose(of(0)), &of(1), &of(2))
+    tensions(rig, &Pose(of(0)), &of(1), &of(2), 0.0)
 }
 
 #[test]
@@ -99,7 +93,7 @@ fn least_of_the_closed_form(step: &Step) -> f64 {
 #[test]
 fn agrees_with_the_closed_form_for_translations() {
     let strong = TensionLimits { min: 0.0, max: 1e6 };
-    let rig = Rig::triangular(&RobotParameters::default(), strong);
+    let rig = Rig::paper(&RobotParameters::default(), strong);
     let mut rng = Pcg64::seed_from_u64(40);
     let (mut admissible, mut refused, mut undecided) = (0, 0, 0);
     for case in 0..10_000 {
@@ -130,14 +124,13 @@ fn random_rig(rng: &mut Pcg64) -> Rig {
     let mut rig = paper();
     let mut jitter = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
     let offset = jitter(0.03);
-    for i in 0..6 {
-        rig.anchors[i] += jitter(0.15);
-        rig.attachments[i] += jitter(0.08) + offset;
+    for cable in rig.cables.iter_mut() {
+        cable.anchor += jitter(0.15);
+        cable.attachment += jitter(0.08) + offset;
     }
     rig.mass = rng.random_range(1.0..20.0);
-    rig.inertia = Vector3::from_fn(|_, _| rng.random_range(0.01..0.3));
-    rig.limits = TensionLimits { min: rng.random_range(0.0..1.0), max: rng.random_range(50.0..300.0) };
-    rig
+    rig.inertia = Matrix3::from_diagonal(&Vector3::from_fn(|_, _| rng.random_range(0.01..0.3)));
+    rig.with_limits(TensionLimits { min: rng.random_range(0.0..1.0), max: rng.random_range(50.0..300.0) })
 }
 
 /// A step in all six coordinates from a moving start.
@@ -175,13 +168,15 @@ fn any_rig_and_any_step_against_dense_sampling() {
                     let known = least - 1e-9..=greatest + 1e-9;
                     assert!(u.iter().all(|u| known.contains(u)), "case {case} at {t}: {u:?}");
                 }
-                assert!(least > rig.limits.min && greatest < rig.limits.max);
+                assert!(least > rig.cables[0].limits.min && greatest < rig.cables[0].limits.max);
             }
             Verdict::NotAdmissible { cable, time, tension } => {
                 refused += 1;
                 let u = sampled(&rig, &step, time).unwrap()[cable - 1];
                 assert!((u - tension).abs() < 1e-6 * (1.0 + u.abs()), "case {case}: {u} N, not {tension} N");
-                assert!(tension <= rig.limits.min + 1e-9 || tension >= rig.limits.max - 1e-9);
+                assert!(
+                    tension <= rig.cables[0].limits.min + 1e-9 || tension >= rig.cables[0].limits.max - 1e-9
+                );
             }
             verdict @ Verdict::Undecided { .. } => {
                 undecided += 1;
@@ -229,13 +224,13 @@ fn degenerate_rigs_and_motions_are_named_and_never_admissible() {
         Step { start: Pose::default(), rates: Coordinates::zeros(), set_point: Pose::default(), gains };
     // Anchors in one line: no wrench about it.
     let mut collinear = paper();
-    for (i, anchor) in collinear.anchors.iter_mut().enumerate() {
-        *anchor = Vector3::new(0.1 * i as f64, 0.0, 0.0);
+    for (i, cable) in collinear.cables.iter_mut().enumerate() {
+        cable.anchor = Vector3::new(0.1 * i as f64, 0.0, 0.0);
     }
     let mut parallel = paper();
-    parallel.anchors = parallel.attachments.clone();
+    parallel.cables.iter_mut().for_each(|cable| cable.anchor = cable.attachment);
     let mut touching = paper();
-    touching.anchors[2] = touching.attachments[2] + Vector3::new(0.0, 0.0, 1.0);
+    touching.cables[2].anchor = touching.cables[2].attachment + Vector3::new(0.0, 0.0, 1.0);
     for rig in [collinear, parallel, touching] {
         let verdict = certify(&rig, &still).unwrap();
         assert!(matches!(verdict, Verdict::Undecided { cause: Cause::Singular, .. }), "{verdict:?}");
@@ -267,7 +262,7 @@ fn degenerate_rigs_and_motions_are_named_and_never_admissible() {
         let verdict = certify(&paper(), &Step { set_point: goal, ..still }).unwrap();
         assert!(matches!(verdict, Verdict::NotAdmissible { .. }), "{verdict:?}");
     }
-    let weightless = Rig { g: 0.0, ..paper() };
+    let weightless = Rig { gravity: Vector3::zeros(), ..paper() };
     assert!(!matches!(certify(&weightless, &still).unwrap(), Verdict::Admissible { .. }));
 }
 
@@ -277,12 +272,11 @@ fn questions_that_make_no_sense_are_errors_that_name_the_number() {
     let still =
         Step { start: Pose::default(), rates: Coordinates::zeros(), set_point: Pose::default(), gains };
     let message = |rig: Rig, step: Step| certify(&rig, &step).unwrap_err().to_string();
-    let crossed = Rig { limits: TensionLimits { min: 10.0, max: 1.0 }, ..paper() };
+    let crossed = paper().with_limits(TensionLimits { min: 10.0, max: 1.0 });
     assert!(message(crossed, still).contains("limits.max = 1 "), "which limit");
     assert!(message(Rig { mass: -1.0, ..paper() }, still).contains("mass = -1"));
-    let mut eight = paper();
-    eight.anchors.push(Vector3::zeros());
-    assert!(message(eight, still).contains("7 anchors"));
+    let five = Rig { cables: PerCable::from_slice(&paper().cables[..5]).unwrap(), ..paper() };
+    assert!(message(five, still).contains("5 cables"));
     let mut lost = still;
     lost.rates[3] = f64::NAN;
     assert!(message(paper(), lost).contains("a rate of the start = NaN"));
@@ -336,9 +330,13 @@ impl Imperfect {
         let mut initial_pose = *start;
         let centre = start.position() - start.rotation() * offset;
         initial_pose.0.fixed_rows_mut::<3>(0).copy_from(&centre);
-        let parameters =
-            PlantParameters { robot, initial_pose, friction: MARGINS.friction, ..Default::default() };
-        Self { plant: Plant::new(parameters, &PlantInputs::default()).unwrap(), offset }
+        let parameters = PlantParameters {
+            rig: Rig::paper(&robot, TAUT),
+            initial_pose,
+            friction: MARGINS.friction,
+            ..Default::default()
+        };
+        Self { plant: Plant::new(parameters, &PlantInputs::none(6)).unwrap(), offset }
     }
 
     /// Pose and rates of the point that the controller takes for the centre of mass.
@@ -359,14 +357,12 @@ impl Imperfect {
 
 /// Least and greatest tension commanded or pulled on the way, and how far a command was from the closed form at most.
 fn run(rng: &mut Pcg64, rig: &Rig, step: &Step, offset: Vector3<f64>) -> [f64; 3] {
-    let geometry = Geometry {
-        anchor: std::array::from_fn(|i| rig.anchors[i]),
-        attachment: std::array::from_fn(|i| rig.attachments[i]),
-    };
+    // The law believes in a disc.
+    let believed = Rig { inertia: Rig::paper(&disc(), TAUT).inertia, ..*rig };
     let mut imperfect = Imperfect::new(rng, &step.start, offset);
     let mut told = (step.start, step.rates);
     let mut range = [f64::INFINITY, 0.0_f64, 0.0];
-    let mut inputs = PlantInputs::default();
+    let mut inputs = PlantInputs::none(6);
     for k in 0..1500 {
         if k % 300 == 0 {
             inputs.disturbance_force = random_vector(rng, MARGINS.force);
@@ -374,8 +370,7 @@ fn run(rng: &mut Pcg64, rig: &Rig, step: &Step, offset: Vector3<f64>) -> [f64; 3
         }
         let (pose, rates) = told;
         inputs.motor_tension =
-            lyapunov::tension_command(&disc(), &geometry, &step.gains, &pose, &rates, &step.set_point)
-                .unwrap();
+            lyapunov::tension_command(&believed, &step.gains, &pose, &rates, &step.set_point, 0.0).unwrap();
         told = imperfect.state(); // used one period later
         let closed_form = sampled(rig, step, f64::from(k) * PERIOD).unwrap();
         for (command, closed_form) in inputs.motor_tension.iter().zip(closed_form) {
@@ -402,9 +397,9 @@ fn no_cable_leaves_the_certified_range_on_an_imperfect_plant() {
             step.start.0[k] *= 0.3;
             step.set_point.0[k] *= 0.3;
         }
-        let mut rig = Rig::triangular(&disc(), TAUT);
+        let mut rig = Rig::paper(&disc(), TAUT);
         let offset = random_vector(&mut rng, MARGINS.centre_of_mass);
-        rig.attachments.iter_mut().for_each(|attachment| *attachment -= offset);
+        rig.cables.iter_mut().for_each(|cable| cable.attachment -= offset);
         let nominal = certify(&rig, &step).unwrap();
         admissible += usize::from(matches!(nominal, Verdict::Admissible { .. }));
         let Verdict::Admissible { least, greatest } = certify_with_margins(&rig, &step, &MARGINS).unwrap()
@@ -441,7 +436,7 @@ fn margins_that_table_i_bears() {
         gains: Gains { lambda: 3.0, eta: 3.0 },
     };
     let borne = |robot: &RobotParameters, margins: Margins| {
-        let verdict = certify_with_margins(&Rig::triangular(robot, TAUT), &step, &margins).unwrap();
+        let verdict = certify_with_margins(&Rig::paper(robot, TAUT), &step, &margins).unwrap();
         println!("I = {}: {margins:?}: {verdict:?}", robot.i1);
         matches!(verdict, Verdict::Admissible { .. })
     };
@@ -466,13 +461,13 @@ fn numbers_of_any_size_get_an_answer() {
             typical * 10f64.powf(exponent)
         };
         let mut rig = paper();
-        for i in 0..6 {
-            rig.anchors[i].z = any(0.01);
-            rig.attachments[i].x *= any(1.0);
+        for cable in rig.cables.iter_mut() {
+            cable.anchor.z = any(0.01);
+            cable.attachment.x *= any(1.0);
         }
-        (rig.mass, rig.g) = (any(6.0), any(9.81));
-        rig.inertia = Vector3::new(any(0.1), any(0.1), any(0.2));
-        rig.limits = TensionLimits { min: 0.0, max: any(f64::MAX) };
+        (rig.mass, rig.gravity) = (any(6.0), Vector3::z() * any(9.81));
+        rig.inertia = Matrix3::from_diagonal(&Vector3::new(any(0.1), any(0.1), any(0.2)));
+        rig = rig.with_limits(TensionLimits { min: 0.0, max: any(f64::MAX) });
         let start = Pose(Coordinates::new(any(0.01), any(-0.01), any(1.0), any(0.01), any(0.01), any(0.01)));
         let rates = Coordinates::from_fn(|_, _| any(0.01));
         let set_point = Pose::at(any(0.02), any(-0.05), any(1.0));

@@ -1,11 +1,11 @@
 //! The certificate of rigs with more than six cables against linear programmes at many instants.
 
-use cable_robot::control::{Gains, Response};
+use cable_robot::control::{Gains, Response, static_margin};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify, certify_with_margins};
-use cable_robot::reach::widest_margin;
+use cable_robot::reach::quadratic_program::minimise;
 use cable_robot::robot::dynamics::required_wrench;
-use cable_robot::robot::{Coordinates, Pose, Rig, RigFile, RobotParameters, TensionLimits};
-use nalgebra::Vector3;
+use cable_robot::robot::{Cable, Coordinates, PerCable, Pose, Rig, RigFile, RobotParameters, TensionLimits};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -15,30 +15,47 @@ fn eight() -> Rig {
 
 /// How far from the limits the tensions can be kept (N), by plain arithmetic and a linear programme; below 0 where they cannot be kept.
 fn margin(rig: &Rig, step: &Step, time: f64) -> f64 {
-    let [i1, i2, i3] = rig.inertia.into();
-    let robot = RobotParameters { m: rig.mass, i1, i2, i3, g: rig.g, ..Default::default() };
     let response = Response::at(&step.gains, time);
     let error = step.start.minus(&step.set_point);
     let moved =
         |k: usize| response.motion(step.set_point.0[k] + error[k], step.rates[k], step.set_point.0[k]);
     let of = |derivative: usize| Coordinates::from_fn(|k, _| moved(k)[derivative]);
     let pose = Pose(of(0));
-    let wrench = required_wrench(&robot, &pose, &of(1), &of(2));
-    widest_margin(&rig.wrench_matrix(&pose), &wrench, &rig.limits).unwrap().signed_margin()
+    let wrench = required_wrench(rig, &pose, &of(1), &of(2));
+    let columns = rig.cables_at(&pose).wrench_matrix();
+    let matrix = DMatrix::from_fn(6, columns.len(), |k, i| columns[i][k]);
+    let pseudo = matrix.clone().pseudo_inverse(1e-12).unwrap();
+    let least = &pseudo * DVector::from_column_slice(wrench.as_slice());
+    // In u = least + P v and the margin s, by clarabel: all numbers in units of the largest tension.
+    let projection = DMatrix::identity(columns.len(), columns.len()) - pseudo * matrix;
+    let unit = least.amax().max(rig.cables[0].limits.max);
+    let side = |sign: f64, limit: fn(&TensionLimits) -> f64| {
+        let rows = (0..columns.len()).map(|i| {
+            let row: Vec<f64> = projection.row(i).iter().map(|p| sign * p).chain([1.0]).collect();
+            (row, sign * (limit(&rig.cables[i].limits) - least[i]) / unit)
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let (rows, bounds): (Vec<_>, Vec<_>) =
+        side(-1.0, |limits| limits.min).into_iter().chain(side(1.0, |limits| limits.max)).unzip();
+    let mut slope = vec![0.0; columns.len() + 1];
+    slope[columns.len()] = -1.0;
+    let mut curvature = vec![1e-12; columns.len() + 1];
+    curvature[columns.len()] = 0.0;
+    minimise(&curvature, &slope, &rows, &bounds).unwrap().unwrap().x[columns.len()] * unit
 }
 
 /// The bundled rig with every number changed.
 fn random_rig(rng: &mut Pcg64) -> Rig {
     let mut rig = eight();
     let mut jitter = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
-    for i in 0..8 {
-        rig.anchors[i] += jitter(0.2);
-        rig.attachments[i] += jitter(0.05);
+    for cable in rig.cables.iter_mut() {
+        cable.anchor += jitter(0.2);
+        cable.attachment += jitter(0.05);
     }
     rig.mass *= rng.random_range(0.5..1.5);
-    rig.inertia = Vector3::from_fn(|_, _| rng.random_range(0.5..2.0));
-    rig.limits = TensionLimits { min: rng.random_range(0.0..10.0), max: rng.random_range(150.0..400.0) };
-    rig
+    rig.inertia = Matrix3::from_diagonal(&Vector3::from_fn(|_, _| rng.random_range(0.5..2.0)));
+    rig.with_limits(TensionLimits { min: rng.random_range(0.0..10.0), max: rng.random_range(150.0..400.0) })
 }
 
 /// A step in all six coordinates from a moving start.
@@ -73,7 +90,11 @@ impl Count {
         match certify(rig, step).unwrap() {
             Verdict::Admissible { least, greatest } => {
                 self.admissible += 1;
-                assert!(rig.limits.min < least && least <= greatest && greatest < rig.limits.max);
+                assert!(
+                    rig.cables[0].limits.min < least
+                        && least <= greatest
+                        && greatest < rig.cables[0].limits.max
+                );
                 for t in times(&step.gains) {
                     let margin = margin(rig, step, t);
                     assert!(margin > -1e-6, "case {case} at {t}: {margin}");
@@ -125,14 +146,13 @@ fn at_rest_it_is_the_static_workspace() {
     for _ in 0..1000 {
         let q = [2.2, 1.7, 0.9, 0.3, 0.3, 0.3].map(|size| rng.random_range(-size..size));
         let pose = Pose(Coordinates::from(q) + Coordinates::z() * 2.0);
-        let margin = widest_margin(&rig.wrench_matrix(&pose), &rig.static_wrench(), &rig.limits);
-        let margin = margin.unwrap().signed_margin();
+        let margin = static_margin(&rig, &pose);
         let verdict = certify(&rig, &still_at(pose)).unwrap();
         match verdict {
             Verdict::Admissible { least, .. } => {
                 holds[0] += 1;
                 assert!(
-                    margin > 0.0 && (least - rig.limits.min - margin).abs() < 1e-3,
+                    margin > 0.0 && (least - rig.cables[0].limits.min - margin).abs() < 1e-3,
                     "{margin} {verdict:?}"
                 );
             }
@@ -150,12 +170,8 @@ fn at_rest_it_is_the_static_workspace() {
 fn two_cables_more_beside_others_take_nothing_away() {
     let mut rng = Pcg64::seed_from_u64(82);
     let limits = TensionLimits { min: 0.0, max: 100.0 };
-    let six = Rig::triangular(&RobotParameters::default(), limits);
-    let mut eight = six.clone();
-    for i in [0, 3] {
-        eight.anchors.push(six.anchors[i]);
-        eight.attachments.push(six.attachments[i]);
-    }
+    let six = Rig::paper(&RobotParameters::default(), limits);
+    let eight = Rig { cables: PerCable::from_fn(8, |i| six.cables[[0, 1, 2, 3, 4, 5, 0, 3][i]]), ..six };
     let (mut admissible, mut refused) = (0, 0);
     for case in 0..1000 {
         let mut pose = || {
@@ -212,18 +228,15 @@ fn what_makes_no_sense_and_what_cannot_be_told_is_named() {
     let rig = eight();
     let home = still_at(Pose::at(0.0, 0.0, 2.0));
     let message = |rig: &Rig| certify(rig, &home).unwrap_err().to_string();
-    assert!(
-        message(&Rig { limits: TensionLimits { min: 10.0, max: 1.0 }, ..rig.clone() })
-            .contains("limits.max = 1 ")
-    );
-    let endless = TensionLimits { min: 0.0, max: f64::INFINITY };
-    assert!(message(&Rig { limits: endless, ..rig.clone() }).contains("limits.max = inf"));
-    let mut odd = rig.clone();
-    odd.anchors.pop();
-    assert!(message(&odd).contains("7 anchors and 8 attachments"));
-    let mut nan = rig.clone();
-    nan.attachments[7].y = f64::NAN;
+    assert!(message(&rig.with_limits(TensionLimits { min: 10.0, max: 1.0 })).contains("limits.max = 1 "));
+    let mut nan = rig;
+    nan.cables[7].attachment.y = f64::NAN;
     assert!(message(&nan).contains("a coordinate of an attachment = NaN"));
+    // No upper limit is no limit.
+    let endless = rig.with_limits(TensionLimits { min: 5.0, max: f64::INFINITY });
+    assert!(matches!(certify(&endless, &home).unwrap(), Verdict::Admissible { .. }));
+    let aside = Step { set_point: Pose::at(0.0, 3.0, 2.0), ..home };
+    assert!(matches!(certify(&endless, &aside).unwrap(), Verdict::NoDistribution { .. }));
 
     // Margins of 0 are no margins.
     let none = Margins::default();
@@ -232,10 +245,11 @@ fn what_makes_no_sense_and_what_cannot_be_told_is_named() {
     assert!(error.to_string().contains("6 cables only, the rig has 8"), "{error}");
 
     // Nothing holds the platform about the line of the anchors, or sideways where all cables are parallel.
-    let mut collinear = rig.clone();
-    collinear.anchors.iter_mut().enumerate().for_each(|(i, a)| *a = Vector3::new(0.1 * i as f64, 0.0, 0.0));
-    let mut parallel = rig.clone();
-    parallel.anchors = parallel.attachments.clone();
+    let mut collinear = rig;
+    let on_a_line = |(i, cable): (usize, &mut Cable)| cable.anchor = Vector3::new(0.1 * i as f64, 0.0, 0.0);
+    collinear.cables.iter_mut().enumerate().for_each(on_a_line);
+    let mut parallel = rig;
+    parallel.cables.iter_mut().for_each(|cable| cable.anchor = cable.attachment);
     for rig in [collinear, parallel] {
         let verdict = certify(&rig, &home).unwrap();
         assert!(matches!(verdict, Verdict::Undecided { cause: Cause::Singular, .. }), "{verdict:?}");
@@ -254,7 +268,7 @@ fn what_makes_no_sense_and_what_cannot_be_told_is_named() {
         let verdict = certify(&rig, &Step { set_point: goal, ..home }).unwrap();
         assert!(matches!(verdict, Verdict::NoDistribution { .. }), "{verdict:?}");
     }
-    let verdict = certify(&Rig { g: 0.0, ..rig }, &home).unwrap();
+    let verdict = certify(&Rig { gravity: Vector3::zeros(), ..rig }, &home).unwrap();
     assert!(matches!(verdict, Verdict::NoDistribution { .. }), "{verdict:?}");
 }
 
@@ -268,16 +282,13 @@ fn numbers_of_any_size_get_an_answer() {
             typical * 10f64.powf(exponent)
         };
         let mut rig = eight();
-        for i in 0..8 {
-            rig.anchors[i].z = any(0.01);
-            rig.attachments[i].x *= any(1.0);
+        for cable in rig.cables.iter_mut() {
+            cable.anchor.z = any(0.01);
+            cable.attachment.x *= any(1.0);
         }
-        (rig.mass, rig.g) = (any(30.0), any(9.81));
-        rig.inertia = Vector3::new(any(1.0), any(1.0), any(2.0));
-        rig.limits = TensionLimits { min: 0.0, max: any(400.0) };
-        if !rig.limits.max.is_finite() {
-            continue;
-        }
+        (rig.mass, rig.gravity) = (any(30.0), Vector3::z() * any(9.81));
+        rig.inertia = Matrix3::from_diagonal(&Vector3::new(any(1.0), any(1.0), any(2.0)));
+        rig = rig.with_limits(TensionLimits { min: 0.0, max: any(400.0) });
         let start = Pose(Coordinates::new(any(0.01), any(-0.01), any(2.0), any(0.01), any(0.01), any(0.01)));
         let gains = Gains { lambda: any(3.0), eta: any(4.0) };
         let step = Step {

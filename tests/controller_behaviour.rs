@@ -3,7 +3,7 @@
 mod common;
 
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
-use cable_robot::robot::{Coordinates, Pose, RobotParameters};
+use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use common::{ClosedLoop, inputs};
 
@@ -68,7 +68,7 @@ fn disabling_lets_go_and_enabling_starts_where_the_robot_is() {
     run(&mut closed_loop, 0.5);
     closed_loop.enable = false;
     let (output, _) = closed_loop.advance();
-    assert_eq!((output.status, output.motor_tension), (Status::Disabled, [0.0; 6]));
+    assert_eq!((output.status, output.motor_tension), (Status::Disabled, PerCable::filled(6, 0.0)));
     for _ in 0..20 {
         closed_loop.advance();
     }
@@ -159,8 +159,9 @@ fn no_slack_at_the_edge_with_a_fine_bisection() {
 #[test]
 fn a_platform_too_heavy_for_max_tension_is_not_reported_at_its_goal() {
     let robot = RobotParameters { m: 70.0, ..Default::default() };
-    let parameters = ControllerParameters { robot, ..Default::default() };
-    let rig = PlantParameters { robot, ..Default::default() };
+    let rig = Rig::paper(&robot, TensionLimits { min: 0.0, max: 100.0 });
+    let parameters = ControllerParameters { rig, ..Default::default() };
+    let rig = PlantParameters { rig, ..Default::default() };
     let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::default(), 1e-3);
     closed_loop.advance();
     let output = closed_loop.controller.outputs();
@@ -170,8 +171,9 @@ fn a_platform_too_heavy_for_max_tension_is_not_reported_at_its_goal() {
 #[test]
 fn set_points_keep_the_tensions_that_the_drives_allow() {
     for planner in [PlannerKind::Bounded, PlannerKind::Exact] {
-        for (min_tension, max_tension) in [(4.0, 100.0), (0.0, 18.0)] {
-            let parameters = ControllerParameters { planner, min_tension, max_tension, ..Default::default() };
+        for (min, max) in [(4.0, 100.0), (0.0, 18.0)] {
+            let mut parameters = ControllerParameters { planner, ..Default::default() };
+            parameters.rig = parameters.rig.with_limits(TensionLimits { min, max });
             let rig = PlantParameters::default();
             let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
             let mut tensions = vec![];
@@ -179,7 +181,7 @@ fn set_points_keep_the_tensions_that_the_drives_allow() {
                 tensions.extend(closed_loop.advance().0.motor_tension);
             }
             // Nothing is clipped: the limits are never met, only neared.
-            assert!(tensions.iter().all(|u| *u > min_tension && *u < max_tension), "{planner:?}");
+            assert!(tensions.iter().all(|u| *u > min && *u < max), "{planner:?}");
             let output = closed_loop.controller.outputs();
             assert_eq!(output.status, Status::GoalUnreachable);
             assert!(output.set_point.0[0] > 0.03, "{:?}", output.set_point);
@@ -219,7 +221,7 @@ fn at_goal_does_not_flicker_with_coarse_encoders() {
 #[test]
 fn a_first_pose_that_cannot_be_holds_gravity_where_the_robot_was_said_to_be() {
     for wrong in [Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 1.5, 0.0)), Pose::at(0.0, 0.0, -1.0)] {
-        let hanging = Plant::new(PlantParameters::default(), &PlantInputs::default()).unwrap();
+        let hanging = Plant::new(PlantParameters::default(), &PlantInputs::none(6)).unwrap();
         let good = inputs(hanging.outputs(), Pose::default(), true);
         let mut controller = Controller::new(ControllerParameters::default(), 0.0, &good).unwrap();
         controller.step(0.0, &ControllerInputs { encoder_pose: wrong, ..good });

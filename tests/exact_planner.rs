@@ -4,12 +4,12 @@ mod common;
 #[path = "common/goals.rs"]
 mod goals;
 
+use cable_robot::control::static_tensions;
 use cable_robot::plan::extremes::extremes;
 use cable_robot::plan::planner::Situation;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::ExactDomain;
-use cable_robot::robot::dynamics::static_tensions;
-use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, TensionLimits};
+use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
 use goals::random_goal;
@@ -173,10 +173,9 @@ fn turned(x: f64, y: f64, z: f64, roll: f64, pitch: f64, yaw: f64) -> Pose {
 /// The smallest tension at rest anywhere on the straight way in six coordinates, N.
 fn least_at_rest(from: &Pose, to: &Pose) -> f64 {
     let robot = RobotParameters::default();
-    let geometry = Geometry::new(&robot);
+    let rig = Rig::paper(&robot, TensionLimits::default());
     let at = |share: f64| Pose(to.0 + from.minus(to) * (1.0 - share));
-    let least =
-        |pose| static_tensions(&robot, &geometry, &pose).map(|u| u.into_iter().fold(f64::INFINITY, f64::min));
+    let least = |pose| static_tensions(&rig, &pose, 0.0).map(|u| u.into_iter().fold(f64::INFINITY, f64::min));
     (0..=50).map(|k| least(at(f64::from(k) / 50.0)).unwrap_or(0.0)).fold(f64::INFINITY, f64::min)
 }
 
@@ -282,16 +281,25 @@ fn least_limit(enough: impl Fn(f64) -> bool) -> f64 {
 fn a_rise_needs_little_more_than_the_greatest_tension_on_the_way() {
     let (from, goal) = (Pose::at(0.0, 0.0, 1.4), Pose::at(0.05, 0.05, 0.5));
     let (robot, gains) = (RobotParameters::default(), exact(3.0, 3.0).gains());
-    let none = TensionLimits { min: 0.0, max: f64::INFINITY };
-    let truth = extremes(&robot, &gains, &none, &from, &goal).unwrap().greatest.tension;
-    let at_rest = extremes(&robot, &gains, &none, &goal, &goal).unwrap().greatest.tension;
+    let none = Rig::paper(&robot, TensionLimits::default());
+    let truth = extremes(&none, &gains, &from, &goal).unwrap().greatest.tension;
+    let at_rest = extremes(&none, &gains, &goal, &goal).unwrap().greatest.tension;
     let closed_form = least_limit(|max| {
         let limits = TensionLimits { min: 0.0, max };
         ExactDomain::new(&robot, &gains, limits, from.position(), Vector3::zeros()).contains(&goal.position())
     });
-    let planner = |max_tension| ControllerParameters { max_tension, ..exact(3.0, 3.0) };
+    let planner = |max| ControllerParameters {
+        rig: none.with_limits(TensionLimits { min: 0.0, max }),
+        ..exact(3.0, 3.0)
+    };
     let one_step = least_limit(|max| {
-        let now = Situation { pose: &from, rates: &Coordinates::zeros(), set_point: &from, hold: 1e-3 };
+        let now = Situation {
+            pose: &from,
+            rates: &Coordinates::zeros(),
+            set_point: &from,
+            hold: 1e-3,
+            rest: planner(max).rest(),
+        };
         Planner::from(planner(max)).next_set_point(&now, &goal) == Some(goal)
     });
     let reached = least_limit(|max| {
@@ -315,7 +323,8 @@ fn a_rise_needs_little_more_than_the_greatest_tension_on_the_way() {
 fn a_goal_that_is_almost_level_is_no_level_one() {
     for z in [0.5, 0.3, 0.2] {
         let rig = PlantParameters { initial_pose: Pose::at(-0.104, -0.21, z), ..Default::default() };
-        let parameters = ControllerParameters { max_tension: 1000.0, ..exact(3.0, 3.0) };
+        let mut parameters = exact(3.0, 3.0);
+        parameters.rig = parameters.rig.with_limits(TensionLimits { min: 0.0, max: 1000.0 });
         let goal = turned(-0.104, -0.22247706, z, -0.0099, -0.0099, -0.0099);
         let mut run = ClosedLoop::new(parameters, rig, goal, 1e-3);
         for _ in 0..6000 {

@@ -39,11 +39,11 @@ fn smallest_held(gain: f64, step: f64, order: Order) -> (f64, u32) {
             goal
         };
         let rig = PlantParameters { initial_pose: goal(), ..Default::default() };
-        let hanging = Plant::new(rig, &PlantInputs::default()).unwrap();
+        let hanging = Plant::new(rig, &PlantInputs::none(6)).unwrap();
         let seen = inputs(hanging.outputs(), rig.initial_pose, true);
         let mut controller = Controller::new(exact(gain), 0.0, &seen).unwrap();
         let mut pull =
-            PlantInputs { motor_tension: controller.outputs().motor_tension, ..Default::default() };
+            PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
         let mut plant = Plant::new(rig, &pull).unwrap();
         let mut count = 0;
         for _ in 0..4 {
@@ -109,8 +109,9 @@ fn a_heavy_robot_with_high_gains_slackens_no_cable() {
             ..Default::default()
         };
         let gain = if case % 2 == 0 { 8.0 } else { 10.0 };
-        let parameters = ControllerParameters { robot, max_tension: 1000.0, ..exact(gain) };
-        let rig = PlantParameters { robot, initial_pose: Pose::at(0.0, 0.0, 2.0), ..Default::default() };
+        let heavy = Rig::paper(&robot, TensionLimits { min: 0.0, max: 1000.0 });
+        let parameters = ControllerParameters { rig: heavy, ..exact(gain) };
+        let rig = PlantParameters { rig: heavy, initial_pose: Pose::at(0.0, 0.0, 2.0), ..Default::default() };
         let mut run = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
         for _ in 0..6 {
             for _ in 0..1500 {
@@ -132,7 +133,7 @@ fn a_proof_for_held_commands_asks_for_far_more_than_the_allowance() {
     let gains = exact(3.0).gains();
     let share_proved = |tilt: f64, sample_period: f64| {
         let limits = TensionLimits { min: 0.1, max: 100.0 };
-        let rig = Rig::triangular(&RobotParameters::default(), limits);
+        let rig = Rig::paper(&RobotParameters::default(), limits);
         let mut rng = Pcg64::seed_from_u64(43);
         let (mut steps, mut proved) = (0, 0);
         while steps < 100 {

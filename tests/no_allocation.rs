@@ -11,10 +11,10 @@ use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
 use cable_robot::fmi::abi::{fmi3::*, fmi3_values::*};
-use cable_robot::fmi::models::MODELS;
 use cable_robot::fmi::variables::Causality;
+use cable_robot::fmi::{MODELS, Model};
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
-use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::robot::{Coordinates, Pose, RigFile, TensionLimits};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
 use counting_allocator::{BYTES, CALLS};
@@ -40,12 +40,10 @@ fn steps_of_the_library_allocate_nothing() {
 /// Turning, the planner asks the certificate: at every tick, also where it refuses.
 #[test]
 fn steps_of_the_exact_planner_allocate_nothing() {
-    let parameters =
-        ControllerParameters { planner: PlannerKind::Exact, max_tension: 16.0, ..Default::default() };
+    let mut parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
+    parameters.rig = parameters.rig.with_limits(TensionLimits { min: 0.0, max: 16.0 });
     let goal = Pose(Coordinates::new(0.05, 0.0, 0.9, 0.1, 0.0, 0.9));
     let mut closed_loop = ClosedLoop::new(parameters, PlantParameters::default(), goal, 1e-3);
-    // The first tick calls clarabel for the nearest pose.
-    closed_loop.advance();
     let before = CALLS.get();
     for _ in 0..3000 {
         closed_loop.advance();
@@ -55,10 +53,35 @@ fn steps_of_the_exact_planner_allocate_nothing() {
     assert!(output.set_point_index >= 1 && output.status == Status::GoalUnreachable, "{output:?}");
 }
 
+/// The search for the nearest pose called a solver, which allocated: at goals that are not reachable, of any rig.
+#[test]
+fn goals_that_are_not_reachable_allocate_nothing() {
+    for text in [include_str!("../rigs/paper.toml"), include_str!("../rigs/eight.toml")] {
+        let file = RigFile::parse(text).unwrap();
+        let mut parameters = ControllerParameters::of(&file.rig);
+        parameters.planner = PlannerKind::Exact;
+        let rig = PlantParameters { rig: file.rig, initial_pose: file.home, ..Default::default() };
+        let mut closed_loop = ClosedLoop::new(parameters, rig, file.home, 1e-3);
+        closed_loop.advance();
+        let before = CALLS.get();
+        for away in [[5.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.5, 0.0], [0.4, 0.3, 0.1, 1.5], [0.0, 9.0, 0.3, -2.0]]
+        {
+            let [x, y, z, yaw] = away;
+            closed_loop.goal = Pose(file.home.0 + Coordinates::new(x, y, z, 0.1, 0.0, yaw));
+            for _ in 0..500 {
+                closed_loop.advance();
+            }
+        }
+        assert_eq!(CALLS.get() - before, 0, "allocations in 2000 steps");
+        assert_eq!(closed_loop.controller.outputs().status, Status::GoalUnreachable);
+    }
+}
+
 #[test]
 fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
-    for model in MODELS {
-        let token = CString::new(model.token()).unwrap();
+    for interface in MODELS.map(Model::interface) {
+        let model = interface.model();
+        let token = CString::new(interface.token()).unwrap();
         let before = BYTES.get();
         unsafe {
             let instance = fmi3InstantiateCoSimulation(
@@ -81,7 +104,7 @@ fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
             println!("{}: {bytes} bytes an instance", model.identifier());
             assert!(bytes < 256 * 1024);
 
-            let reference = [model.rows_with(Causality::Output).next().unwrap().first];
+            let reference = [interface.rows_with(Causality::Output).next().unwrap().first];
             let mut value = [0.0];
             let before = CALLS.get();
             for k in 0..1000 {

@@ -5,7 +5,9 @@ mod common;
 use cable_robot::control::{Gains, lyapunov};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::reach::in_static_workspace;
-use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters, forward_kinematics};
+use cable_robot::robot::{
+    Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
+};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use common::ClosedLoop;
 use nalgebra::{Rotation3, Vector2, Vector3};
@@ -37,16 +39,15 @@ fn random_direction(rng: &mut Pcg64) -> Vector3<f64> {
 
 #[test]
 fn forward_kinematics_finds_every_move_of_50_mm_and_5_degrees() {
-    let geometry = Geometry::new(&RobotParameters::default());
+    let rig = ControllerParameters::default().rig;
     let mut rng = Pcg64::seed_from_u64(1);
     for case in 0..100_000 {
         let from = random_pose(&mut rng, 0.0);
         let position = from.position() + random_direction(&mut rng) * 0.05;
         let turn = Rotation3::from_scaled_axis(random_direction(&mut rng) * 5f64.to_radians());
         let to = Pose::from_parts(&position, &(turn * from.rotation()));
-        let lengths = geometry.cables(&to.position(), &to.rotation()).length;
-        let found =
-            forward_kinematics(&geometry, &lengths, &from).unwrap_or_else(|e| panic!("case {case}: {e}"));
+        let lengths = rig.cables_at(&to).length;
+        let found = forward_kinematics(&rig, &lengths, &from).unwrap_or_else(|e| panic!("case {case}: {e}"));
         let error = found.pose.minus(&to).norm();
         assert!(error < 1e-7 && found.error_bound < 1e-8, "case {case}: {error} m, {found:?}");
     }
@@ -64,8 +65,7 @@ fn sliding(gains: &Gains, plant: &Plant, set_point: &Pose) -> Coordinates {
 /// V's fall over a step of `h` seconds with the tensions held, in units of what (6) says at its start: from 1,000 random states in
 /// which every tension is positive.
 fn fall_in_units_of_6(h: f64) -> Vec<f64> {
-    let robot = RobotParameters::default();
-    let geometry = Geometry::new(&robot);
+    let rig = ControllerParameters::default().rig;
     let mut rng = Pcg64::seed_from_u64(6);
     let mut falls = vec![];
     while falls.len() < 1000 {
@@ -74,15 +74,14 @@ fn fall_in_units_of_6(h: f64) -> Vec<f64> {
         let rates = Coordinates::from_fn(|_, _| rng.random_range(-0.1..0.1));
         let mut set_point = pose;
         set_point.0.fixed_rows_mut::<3>(0).copy_from(&(pose.position() + offset));
-        let tension =
-            lyapunov::tension_command(&robot, &geometry, &gains, &pose, &rates, &set_point).unwrap();
+        let tension = lyapunov::tension_command(&rig, &gains, &pose, &rates, &set_point, 0.0).unwrap();
         if tension.iter().any(|u| *u <= 0.0) {
             continue;
         }
         let parameters = PlantParameters { initial_pose: pose, ..Default::default() };
-        let mut plant = Plant::new(parameters, &PlantInputs::default()).unwrap().moving(&rates);
+        let mut plant = Plant::new(parameters, &PlantInputs::none(6)).unwrap().moving(&rates);
         let before = sliding(&gains, &plant, &set_point);
-        plant.step(&PlantInputs { motor_tension: tension, ..Default::default() }, h).unwrap();
+        plant.step(&PlantInputs { motor_tension: tension, ..PlantInputs::none(6) }, h).unwrap();
         let after = sliding(&gains, &plant, &set_point);
         let fall = lyapunov::lyapunov_function(&after) - lyapunov::lyapunov_function(&before);
         falls.push(fall / (-gains.eta * before.norm_squared() * h)); // (6)
@@ -117,12 +116,12 @@ fn plant_does_not_depend_on_the_communication_step() {
             ..Default::default()
         };
         let inputs = PlantInputs {
-            motor_tension: std::array::from_fn(|_| rng.random_range(5.0..15.0)),
+            motor_tension: PerCable::from_fn(6, |_| rng.random_range(5.0..15.0)),
             disturbance_force: random_direction(&mut rng),
             disturbance_torque: random_direction(&mut rng) * 0.01,
         };
         let end_with = |steps: u32| {
-            let mut plant = Plant::new(parameters, &PlantInputs::default()).unwrap();
+            let mut plant = Plant::new(parameters, &PlantInputs::none(6)).unwrap();
             for _ in 0..steps {
                 plant.step(&inputs, 0.5 / f64::from(steps)).unwrap();
             }
@@ -155,9 +154,10 @@ fn equal_runs_are_equal_bit_for_bit() {
 fn integrator_keeps_a_free_body_turning_as_euler_says() {
     // Without cables, gravity aside, angular momentum in the base frame and kinetic energy are kept.
     let robot = RobotParameters { i1: 0.02, i2: 0.03, i3: 0.04, ..Default::default() };
-    let parameters = PlantParameters { robot, ..Default::default() };
+    let rig = Rig::paper(&robot, TensionLimits::default());
+    let parameters = PlantParameters { rig, ..Default::default() };
     let rates = Coordinates::new(0.0, 0.0, 0.0, 1.0, 2.0, -1.5);
-    let mut plant = Plant::new(parameters, &PlantInputs::default()).unwrap().moving(&rates);
+    let mut plant = Plant::new(parameters, &PlantInputs::none(6)).unwrap().moving(&rates);
     let energy = |plant: &Plant| {
         let output = plant.outputs();
         let omega = output.encoder_pose.rotation().inverse() * output.angular_velocity;
@@ -165,7 +165,7 @@ fn integrator_keeps_a_free_body_turning_as_euler_says() {
     };
     let before = energy(&plant);
     for _ in 0..100 {
-        plant.step(&PlantInputs::default(), 0.01).unwrap();
+        plant.step(&PlantInputs::none(6), 0.01).unwrap();
     }
     assert!((energy(&plant) / before - 1.0).abs() < 1e-8);
     let fallen = plant.outputs().encoder_pose.0[2] - 1.0;

@@ -2,9 +2,9 @@
 
 mod common;
 
+use cable_robot::control::static_tensions;
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
-use cable_robot::robot::dynamics::static_tensions;
-use cable_robot::robot::{Coordinates, Geometry, Pose, RobotParameters};
+use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::PlantParameters;
 use common::ClosedLoop;
 use rand::{RngExt, SeedableRng};
@@ -35,24 +35,20 @@ fn no_cable_goes_slack_whatever_the_rig_and_the_goals() {
         let robot = random_robot(&mut rng);
         let weight = robot.m * robot.g;
         let planner = if rng.random_bool(0.7) { PlannerKind::Exact } else { PlannerKind::Bounded };
-        let parameters = ControllerParameters {
-            robot,
-            planner,
-            lambda: rng.random_range(1.0..9.0),
-            eta: rng.random_range(1.0..9.0),
-            max_tension: weight * rng.random_range(0.5..3.0),
-            ..Default::default()
-        };
+        let (lambda, eta) = (rng.random_range(1.0..9.0), rng.random_range(1.0..9.0));
+        let max = weight * rng.random_range(0.5..3.0);
+        let rig = Rig::paper(&robot, TensionLimits { min: 0.0, max });
+        let parameters = ControllerParameters { rig, planner, lambda, eta, ..Default::default() };
         let tilt = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.0..0.6) };
         let z = rng.random_range(0.5..3.0) * robot.a;
         let initial_pose = random_pose(&mut rng, 0.3 * robot.a, z, tilt);
-        let most = parameters.max_tension - 1e-3 * weight;
-        let rests = static_tensions(&robot, &Geometry::new(&robot), &initial_pose)
+        let most = max - 1e-3 * weight;
+        let rests = static_tensions(&rig, &initial_pose, 0.0)
             .is_some_and(|tension| tension.iter().all(|u| (1e-3 * weight..most).contains(u)));
         if !rests {
             continue;
         }
-        let plant = PlantParameters { robot, initial_pose, ..Default::default() };
+        let plant = PlantParameters { rig, initial_pose, ..Default::default() };
         let step = [1e-3, 2e-3][runs % 2];
         let mut run = ClosedLoop::new(parameters, plant, initial_pose, step);
         for _ in 0..4 {

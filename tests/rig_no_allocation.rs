@@ -9,7 +9,7 @@ use cable_robot::rig::simulated::SimulatedRig;
 use cable_robot::rig::{
     Bridge, Config, FrameQueue, LibraryController, OperatorCommand, State, TensionController,
 };
-use cable_robot::robot::{CABLES, Geometry, Pose};
+use cable_robot::robot::{PerCable, Pose};
 use cable_robot::sim::PlantParameters;
 use counting_allocator::CALLS;
 
@@ -34,8 +34,8 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
     let home = Pose::default();
     let still = ControllerInputs {
         encoder_pose: home,
-        cable_length: Geometry::new(&parameters.robot).cables(&home.position(), &home.rotation()).length,
-        measured_tension: [0.0; CABLES],
+        cable_length: parameters.rig.cables_at(&home).length,
+        measured_tension: PerCable::filled(6, 0.0),
         goal_pose: home,
         enable: false,
     };

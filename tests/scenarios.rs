@@ -130,7 +130,7 @@ fn unreachable_is_said_and_no_cable_goes_slack() {
 #[test]
 fn the_program_writes_what_the_library_computes() {
     let scenario = bundled("gust");
-    let mut recording = Recording::new();
+    let mut recording = Recording::new(6);
     moments(&scenario).iter().for_each(|moment| recording.push(moment).unwrap());
     let RunFolder { info, table } = recorded(&["gust"]);
     assert!(table == recording.into_table());
@@ -150,7 +150,7 @@ fn a_scenario_file_finds_its_rig_beside_it() {
     let path = folder.path().join("mine.toml");
     fs::write(&path, "title = \"Mine\"\nrig = \"heavy.toml\"\nduration = 0.1").unwrap();
     let info = recorded(&[path.to_str().unwrap()]).info;
-    assert_eq!((info.title.as_str(), info.plant_parameters.robot.m), ("Mine", 7.0));
+    assert_eq!((info.title.as_str(), info.plant_parameters.rig.mass), ("Mine", 7.0));
 
     fs::write(folder.path().join("heavy.toml"), rig.replace("mass = 6.0", "mass = 0")).unwrap();
     let (_, error) = written(1, &[path.to_str().unwrap()]);

@@ -59,7 +59,7 @@ fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
 
 /// Every file of an FMU by its path in the archive: sorted, as they are packed.
 fn contents(model: Model, version: Version, library: Vec<u8>) -> BTreeMap<String, Vec<u8>> {
-    let mut files: BTreeMap<_, _> = shipped_files(model, version).into_iter().collect();
+    let mut files: BTreeMap<_, _> = shipped_files(&model.interface(), version).into_iter().collect();
     let folder = platform(match version {
         Version::Fmi2 => FmiVersion::V2,
         Version::Fmi3 => FmiVersion::V3,

@@ -40,8 +40,7 @@ pub fn rig_file(data: &[u8]) {
     let Some(config) = understood(data, Config::parse) else { return };
     assert!(bus_load::bus_loads(&config).iter().all(|bus| bus.load > 0.0 && bus.load.is_finite()));
     assert!((0..config.buses.len()).all(|bus| export::dbc(&config, bus).is_ascii()));
-    let parameters =
-        ControllerParameters { robot: config.controller.robot, ..ControllerParameters::default() };
+    let parameters = ControllerParameters { rig: config.controller.rig(), ..ControllerParameters::default() };
     let period = config.period;
     let (mut bridge, mut out) = (Bridge::new(config), FrameQueue::new());
     for k in 1..4 {

@@ -16,10 +16,10 @@ pub struct ClosedLoop {
 
 impl ClosedLoop {
     pub fn new(controller: ControllerParameters, plant: PlantParameters, goal: Pose, step: f64) -> Self {
-        let hanging = Plant::new(plant, &PlantInputs::default()).unwrap();
+        let none = PlantInputs::none(plant.rig.cables.len());
+        let hanging = Plant::new(plant, &none).unwrap();
         let controller = Controller::new(controller, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
-        let pull =
-            PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::default() };
+        let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..none };
         let plant = Plant::new(plant, &pull).unwrap();
         Self { controller, plant, goal, enable: true, step, count: 0 }
     }
@@ -32,7 +32,10 @@ impl ClosedLoop {
     pub fn advance(&mut self) -> (ControllerOutputs, PlantOutputs) {
         self.controller.step(self.time(), &inputs(self.plant.outputs(), self.goal, self.enable));
         let output = *self.controller.outputs();
-        let pull = PlantInputs { motor_tension: output.motor_tension, ..PlantInputs::default() };
+        let pull = PlantInputs {
+            motor_tension: output.motor_tension,
+            ..PlantInputs::none(output.motor_tension.len())
+        };
         let before = *self.plant.outputs();
         self.plant.step(&pull, self.step).unwrap();
         self.count += 1;

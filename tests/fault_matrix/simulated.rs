@@ -1,13 +1,13 @@
 //! Bridge and simulated rig in simulated time: how many cycles each fault takes, exactly.
 
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
+use cable_robot::rig::CABLES;
 use cable_robot::rig::bridge::{Cause, Event, Fault, TransportError};
 use cable_robot::rig::cia402::{DriveState, MAX_TORQUE};
 use cable_robot::rig::controller::ControllerFailure;
 use cable_robot::rig::frame::{Frame, FrameKind, error_class};
 use cable_robot::rig::simulated::Bench;
 use cable_robot::rig::{Config, LibraryController, Nanoseconds, OperatorCommand, State, TensionController};
-use cable_robot::robot::CABLES;
 use cable_robot::sim::PlantParameters;
 
 use crate::table::{Row, count};

@@ -7,14 +7,16 @@ mod slave;
 mod states;
 mod values;
 
+use cable_robot::fmi::models::Scalar;
 use cable_robot::fmi::variables::{Causality, Kind};
 use cable_robot::fmi::{MODELS, Model};
 use slave::{BOTH, ERROR, Fmi, OK, Slave};
 
 /// The scalars of type real with this causality: names and references.
 fn reals(model: Model, causality: Causality) -> Vec<(String, u32)> {
-    let rows = model.rows_with(causality).filter(|row| matches!(row.kind, Kind::Float64));
-    rows.flat_map(|row| row.references().map(move |i| (row.scalar_name(i), i))).collect()
+    let interface = model.interface();
+    let of = |scalar: &Scalar| scalar.row.causality == causality && matches!(scalar.row.kind, Kind::Float64);
+    interface.scalars().filter(of).map(|scalar| (scalar.name(), scalar.reference)).collect()
 }
 
 fn all_pairs() -> impl Iterator<Item = (Fmi, Model)> {

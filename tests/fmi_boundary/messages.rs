@@ -2,8 +2,8 @@
 
 use std::ptr::{null, null_mut};
 
-use cable_robot::fmi::Model;
 use cable_robot::fmi::abi::{fmi2::*, fmi3::*};
+use cable_robot::fmi::{MODELS, Model};
 
 use crate::slave::{BOTH, ERROR, Messages, OK, Slave, Three, Two, WARNING, callbacks, instantiate, log_3};
 
@@ -30,7 +30,7 @@ fn a_percent_sign_in_a_message_is_one() {
 #[test]
 fn what_cannot_be_instantiated_says_why() {
     let messages = Messages::default();
-    let token = std::ffi::CString::new(Model::Plant.token()).unwrap();
+    let token = std::ffi::CString::new(Model::Plant.interface().token()).unwrap();
     let to = std::ptr::from_ref(&messages).cast_mut().cast();
     let callbacks = callbacks(&messages);
     unsafe {
@@ -39,7 +39,8 @@ fn what_cannot_be_instantiated_says_why() {
         assert!(fmi2Instantiate(null(), 1, null(), null(), &callbacks, 0, 0).is_null());
         assert!(fmi2Instantiate(null(), 0, token.as_ptr(), null(), &callbacks, 0, 0).is_null());
         assert_eq!(messages.lock().unwrap().len(), 4);
-        for wanted in [Model::Controller.token(), Model::Plant.token(), "nobody's"] {
+        let [controller, plant] = MODELS.map(Model::interface);
+        for wanted in [controller.token(), plant.token(), "nobody's"] {
             assert!(messages.lock().unwrap()[0].2.contains(wanted), "{wanted}");
         }
         assert!(messages.lock().unwrap()[3].2.contains("Co-Simulation only"));

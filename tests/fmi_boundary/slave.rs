@@ -112,7 +112,7 @@ impl Slave {
 
     pub fn logging(fmi: Fmi, model: Model, on: bool) -> Self {
         let messages = Box::new(Messages::default());
-        let instance = instantiate(fmi, model.token(), on, &messages);
+        let instance = instantiate(fmi, model.interface().token(), on, &messages);
         assert!(!instance.is_null());
         Self { fmi, model, instance, messages }
     }
@@ -185,9 +185,8 @@ impl Slave {
 
     /// The value reference of a scalar.
     pub fn reference(&self, name: &str) -> u32 {
-        let mut all =
-            self.model.rows().iter().flat_map(|row| row.references().map(move |i| (row.scalar_name(i), i)));
-        all.find(|(known, _)| known == name).unwrap_or_else(|| panic!("no variable {name}")).1
+        let interface = self.model.interface();
+        interface.named(name).unwrap_or_else(|| panic!("no variable {name}")).reference
     }
 
     pub fn set_reals(&self, references: &[u32], values: &[f64]) -> u32 {

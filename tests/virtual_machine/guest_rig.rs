@@ -28,8 +28,7 @@ impl Joined {
     fn new(name: &str) -> Self {
         let config = Config::parse(include_str!("../../rigs/can/akd.toml")).unwrap();
         let parameters = ControllerParameters {
-            robot: config.controller.robot,
-            max_tension: config.controller.max_tension,
+            rig: config.controller.rig(),
             pose_source: PoseSource::CableLengths,
             force_loop: true,
             ..ControllerParameters::default()

@@ -98,8 +98,8 @@ fn broken_files_are_named_with_line_and_what_was_expected() {
     assert!(json.contains("missing field `step` at line"), "{json}");
     let json = refusal(RUN_JSON, "\"step\": 0.1", "\"step\": \"short\"");
     assert!(json.contains("expected f64 at line"), "{json}");
-    let format = refusal(RUN_JSON, "\"format\": 1", "\"format\": 2");
-    assert!(format.ends_with("format = 2; this program reads format 1"), "{format}");
+    let format = refusal(RUN_JSON, "\"format\": 2", "\"format\": 3");
+    assert!(format.ends_with("format = 3; this program reads format 2"), "{format}");
     let gain = refusal(RUN_JSON, "\"lambda\": 3.0", "\"lambda\": -3.0");
     assert!(gain.contains("controllerParameters: parameter lambda = -3 is not allowed: must be"), "{gain}");
     let step = refusal(RUN_JSON, "\"step\": 0.1", "\"step\": 0.0");
