@@ -186,6 +186,13 @@ impl Solutions {
     /// From an s that is too large, each contradiction says how much less it must be: Newton's method on a concave function with
     /// straight pieces, which ends at the exact value.
     pub fn widest_margin(&self, limits: &PerCable<TensionLimits>) -> f64 {
+        self.widest(limits).0
+    }
+
+    /// The same, and with it the weights of the contradiction that bounds it: all 0 if none was met.
+    fn widest(&self, limits: &PerCable<TensionLimits>) -> (f64, PerCable<f64>) {
+        let count = self.least.len();
+        let mut weights = PerCable::filled(count, 0.0);
         let scale = scale_of(&self.least, limits);
         let half = |limits: &TensionLimits| 0.5 * (limits.max - limits.min);
         let most = limits.iter().map(half).fold(WIDEST * scale, f64::min);
@@ -193,8 +200,12 @@ impl Solutions {
         for _ in 0..MOST_CUTS {
             let shrunk = limits.map(|limits| limits.shrunk(margin));
             let rows = rows(&self.least, &shrunk, 0.0);
-            match self.solve(&self.least, limits, &rows[..2 * self.least.len()]) {
+            match self.solve(&self.least, limits, &rows[..2 * count]) {
                 Outcome::Contradiction(multipliers) => {
+                    weights = PerCable::filled(count, 0.0);
+                    for (row, multiplier) in multipliers.iter() {
+                        weights[row % count] += if row < count { -multiplier } else { multiplier };
+                    }
                     // Normals add up to nothing, bounds to less; each bound grows as the margin shrinks.
                     let (sum, bound) =
                         multipliers.iter().fold((0.0, 0.0), |(sum, bound), (row, multiplier)| {
@@ -202,16 +213,16 @@ impl Solutions {
                         });
                     let shortfall = -bound / sum;
                     if shortfall <= ROUNDING * scale {
-                        return margin;
+                        break;
                     }
                     margin -= shortfall;
                 }
-                Outcome::Nearest(_) if margin == WIDEST * scale => return f64::INFINITY,
-                Outcome::Nearest(_) => return margin,
-                Outcome::Unfinished => return f64::NEG_INFINITY,
+                Outcome::Nearest(_) if margin == WIDEST * scale => return (f64::INFINITY, weights),
+                Outcome::Nearest(_) => break,
+                Outcome::Unfinished => return (f64::NEG_INFINITY, weights),
             }
         }
-        margin
+        (margin, weights)
     }
 
     /// The solution that is nearest to 0, N.
@@ -254,25 +265,17 @@ impl Solutions {
         Programme { unknowns, rank, normals: &self.projection[..unknowns], rows, tolerance }.solve()
     }
 
-    /// Weights and shortfall of limits that contradict each other.
+    /// Weights and shortfall of limits that contradict each other: of all contradictions the one with the greatest shortfall.
     fn refusal(&self, near: &PerCable<f64>, limits: &PerCable<TensionLimits>) -> (PerCable<f64>, f64) {
-        let count = near.len();
-        let mut weights = PerCable::filled(count, 0.0);
-        if let Outcome::Contradiction(multipliers) =
-            self.solve(near, limits, &rows(near, limits, 0.0)[..2 * count])
-        {
-            for (row, multiplier) in multipliers.iter() {
-                weights[row % count] += if row < count { -multiplier } else { multiplier };
-            }
-        }
-        let sum: f64 = weights.iter().map(|c: &f64| c.abs()).sum();
+        let (_, weights) = self.widest(limits);
+        let sum: f64 = weights.iter().map(|c| c.abs()).sum();
         let weights = weights.map(|c| c / sum.max(f64::MIN_POSITIVE));
         let most = |i: usize| match weights[i] {
             0.0 => 0.0,
             c if c > 0.0 => c * limits[i].max,
             c => c * limits[i].min,
         };
-        let shortfall = (0..count).map(|i| weights[i] * near[i] - most(i)).sum();
+        let shortfall = (0..near.len()).map(|i| weights[i] * near[i] - most(i)).sum();
         (weights, shortfall)
     }
 }

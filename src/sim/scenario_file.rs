@@ -5,9 +5,7 @@ mod fields;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
-use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{Schema, schema_for};
-use serde_json::Value;
 use thiserror::Error;
 use toml::Spanned;
 
@@ -15,6 +13,7 @@ use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
 use crate::control::static_margin;
 use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
+use crate::robot::rig_file::without_null;
 use crate::robot::{Coordinates, ParameterError, Pose, Rig, TensionLimits};
 
 /// Step of a scenario that gives none, s.
@@ -50,13 +49,7 @@ pub enum ScenarioFileError {
 /// JSON Schema of scenario files, for editors: everything that can be said of one field at a time.
 pub fn schema() -> Schema {
     let mut schema = schema_for!(fields::File);
-    // What may be left out has no null in its place, TOML knows none.
-    let tidy = |part: &mut Schema| {
-        if part.get("default").is_some_and(Value::is_null) {
-            part.remove("default");
-        }
-    };
-    RecursiveTransform(tidy).transform(&mut schema);
+    without_null(&mut schema);
     schema
 }
 

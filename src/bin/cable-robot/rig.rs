@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
-use cable_robot::control::{barrier, static_margin};
+use cable_robot::control::{barrier, static_margin, static_tensions};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::report::files::read_text;
 use cable_robot::robot::{ParameterError, Pose, Rig, RigFile, TensionLimits};
@@ -120,11 +120,14 @@ pub fn require_rest(parameters: &ControllerParameters, name: &str, from: &Pose) 
     let Some(barrier) = barrier(rig, from) else {
         bail!("{name} ({place}): the wrench matrix is singular there")
     };
-    let (cable, limit) = (barrier.cable, number(barrier.limit));
-    match barrier.is_greatest {
-        true => bail!("{name} ({place}): at rest there cable {cable} pulls more than its limit of {limit} N"),
-        false => {
-            bail!("{name} ({place}): at rest there cable {cable} pulls less than its limit of {limit} N")
-        }
-    }
+    let tension = static_tensions(rig, from, 0.0).map_or(f64::NAN, |tension| tension[barrier.cable - 1]);
+    bail!(
+        "{name} ({place}): at rest there cable {} pulls {tension:.3} N, beyond its limits of {}",
+        barrier.cable,
+        limits_in_words(rig.cables[barrier.cable - 1].limits)
+    )
+}
+
+fn limits_in_words(TensionLimits { min, max }: TensionLimits) -> String {
+    if max.is_finite() { format!("{min} to {max} N") } else { format!("{min} N and more") }
 }

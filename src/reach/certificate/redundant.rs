@@ -13,8 +13,6 @@ use super::{Cause, Verdict};
 use crate::control::distribution::{Distribution, Solutions, reference};
 use crate::robot::{PerCable, Rig, TensionLimits};
 
-/// The tensions proposed keep this share of the widest margin: in the span they change.
-const KEPT: f64 = 0.5;
 /// By how much, as a share of itself, a proof is bent so that rounding does not spoil it.
 const AGAINST_ROUNDING: f64 = 1e-12;
 /// A limit counts as standing against the wrench from this share of all of them on.
@@ -35,7 +33,8 @@ pub fn look(
     let Some(solutions) = Solutions::new(&matrix, &wrench, rig.platform_radius()) else {
         return Finding::Untold(Cause::Singular);
     };
-    let margin = KEPT * solutions.widest_margin(limits).min(rig.weight()).max(0.0);
+    // As far inside as can be, up to what the reference is above the least tension: in the span they change.
+    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0);
     match solutions.distribute(limits, &reference(rig), margin) {
         Distribution::Infeasible { weights, .. } => {
             let time = span.time(0.0);

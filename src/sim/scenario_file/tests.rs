@@ -1,5 +1,6 @@
 use super::*;
 use crate::sim::BUNDLED;
+use serde_json::Value;
 
 const FULL: &str = r#"title = "All there is"
 rig = "my.toml"
