@@ -13,6 +13,8 @@ use super::{Cause, Verdict};
 use crate::control::distribution::{Distribution, Solutions, reference};
 use crate::robot::{PerCable, Rig, TensionLimits};
 
+/// What rounding leaves of the widest margin.
+const LESS: f64 = 1.0 - 1e-9;
 /// By how much, as a share of itself, a proof is bent so that rounding does not spoil it.
 const AGAINST_ROUNDING: f64 = 1e-12;
 /// A limit counts as standing against the wrench from this share of all of them on.
@@ -34,8 +36,9 @@ pub fn look(
         return Finding::Untold(Cause::Singular);
     };
     // As far inside as can be, up to what the reference is above the least tension: in the span they change.
-    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0);
-    match solutions.distribute(limits, &reference(rig), margin) {
+    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0) * LESS;
+    let shrunk = limits.map(|limits| limits.shrunk(margin));
+    match solutions.distribute(&shrunk, &reference(rig), 0.0) {
         Distribution::Infeasible { weights, .. } => {
             let time = span.time(0.0);
             match refusal(&system, &matrix, &weights, limits, time) {
