@@ -34,6 +34,7 @@ pub struct Row {
 }
 
 /// What is known of a programme.
+#[allow(clippy::large_enum_variant, reason = "boxing would allocate in every step")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// The nearest point.
@@ -88,14 +89,14 @@ impl Programme<'_> {
         let mut active = Active::none();
         // The row that is being brought to its bound, and its multiplier so far.
         let mut entering: Option<(usize, f64)> = None;
-        let mut refinements = 0;
+        let mut refinements_left = MOST_REFINEMENTS;
         for _ in 0..MOST_PASSES {
             let Some((row, multiplier)) = entering.or_else(|| self.most_violated(&x, &active)) else {
-                if refinements == MOST_REFINEMENTS || !self.refine(&mut x, &mut active) {
+                if refinements_left == 0 || !self.refine(&mut x, &mut active) {
                     let is_finite = x.iter().all(|value| value.is_finite());
                     return if is_finite { Outcome::Nearest(x) } else { Outcome::Unfinished };
                 }
-                refinements += 1;
+                refinements_left -= 1;
                 continue;
             };
             let step = self.step(&active, row);

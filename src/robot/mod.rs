@@ -15,7 +15,7 @@ pub mod triangles;
 pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
 pub use kinematics::Cables;
 pub use parameters::{ParameterError, RobotParameters};
-pub use per_cable::{MOST_CABLES, PerCable};
+pub use per_cable::{CableSet, MOST_CABLES, PerCable};
 pub use pose::{Coordinates, Pose};
 pub use pulley::Pulley;
 pub use rig::{Cable, DegenerateRig, LEAST_CABLES, Rig, TensionLimits};

@@ -49,19 +49,6 @@ impl<T: Copy + Default> PerCable<T> {
     }
 }
 
-impl<T: Copy + Default> FromIterator<T> for PerCable<T> {
-    /// # Panics
-    /// If there are more than [`MOST_CABLES`].
-    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
-        let mut all = Self { count: 0, values: [T::default(); MOST_CABLES] };
-        for value in values {
-            all.values[all.count] = value;
-            all.count += 1;
-        }
-        all
-    }
-}
-
 impl<T> Deref for PerCable<T> {
     type Target = [T];
 
@@ -149,6 +136,40 @@ impl<'de, T: Deserialize<'de> + Copy + Default> Deserialize<'de> for PerCable<T>
         }
 
         deserializer.deserialize_seq(Values(Self::from_fn(0, |_| T::default())))
+    }
+}
+
+/// Some of the cables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CableSet(u32);
+
+impl CableSet {
+    /// Their numbers, from 1, in order.
+    pub fn numbers(self) -> impl Iterator<Item = usize> {
+        (1..=MOST_CABLES).filter(move |number| self.contains(*number))
+    }
+
+    /// Whether the cable with this number, from 1, is one of them.
+    pub fn contains(self, number: usize) -> bool {
+        (1..=MOST_CABLES).contains(&number) && self.0 >> (number - 1) & 1 == 1
+    }
+
+    /// How many there are.
+    pub fn len(self) -> usize {
+        self.0.count_ones() as usize
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl FromIterator<usize> for CableSet {
+    /// Of numbers from 1; others are left out.
+    fn from_iter<I: IntoIterator<Item = usize>>(numbers: I) -> Self {
+        let known = numbers.into_iter().filter(|number| (1..=MOST_CABLES).contains(number));
+        Self(known.fold(0, |set, number| set | 1 << (number - 1)))
     }
 }
 

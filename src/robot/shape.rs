@@ -217,7 +217,7 @@ fn candidates(rig: &Rig) -> impl Iterator<Item = Fit> {
     let origin = rig.middle();
     let flat = rig.cables.map(|cable| (upright.inverse() * (cable.anchor - origin)).xy());
     // The paper's base vertices stand at 60, 180 and 300 degrees: three times their azimuth is half a turn.
-    let cubed: Vector2<f64> = flat.iter().map(|p| turned_by_thrice(p)).sum();
+    let cubed: Vector2<f64> = flat.iter().map(turned_by_thrice).sum();
     let first = ((-cubed.y).atan2(-cubed.x)) / 3.0;
     (0..3).flat_map(move |third| {
         let turn = first + f64::from(third) * std::f64::consts::TAU / 3.0;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use cable_robot::control::Gains;
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
-use cable_robot::robot::{Coordinates, LEAST_CABLES, Pose};
+use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose};
 use clap::Args;
 use serde_json::json;
 
@@ -97,7 +97,7 @@ impl Certify {
             Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => {
                 let held = [("least", at_least), ("greatest", at_greatest)];
                 let held: Vec<_> = held.into_iter().filter(|(_, cables)| !cables.is_empty()).collect();
-                let held: Vec<_> = held.iter().map(|(limit, cables)| at_limit(limit, cables)).collect();
+                let held: Vec<_> = held.iter().map(|(limit, cables)| at_limit(limit, **cables)).collect();
                 format!(
                     "not admissible: after {time:.3} s no tensions keep the limits, at best they break them by {shortfall:.3} N; {} forbid it",
                     held.join(" and ")
@@ -123,7 +123,7 @@ impl Certify {
                 json!({"verdict": "not admissible", "cable": cable, "time": time, "tension": tension})
             }
             Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => {
-                json!({"verdict": "not admissible", "time": time, "shortfall": shortfall, "atLeast": at_least, "atGreatest": at_greatest})
+                json!({"verdict": "not admissible", "time": time, "shortfall": shortfall, "atLeast": at_least.numbers().collect::<Vec<_>>(), "atGreatest": at_greatest.numbers().collect::<Vec<_>>()})
             }
             Verdict::Undecided { time, resolution, cause } => {
                 json!({"verdict": "undecided", "time": time, "resolution": resolution, "cause": format!("{cause:?}")})
@@ -133,9 +133,9 @@ impl Certify {
 }
 
 /// Whose limits they are: "cables 2, 5 at their least".
-fn at_limit(limit: &str, cables: &[usize]) -> String {
-    let numbers: Vec<_> = cables.iter().map(usize::to_string).collect();
-    match cables {
+fn at_limit(limit: &str, cables: CableSet) -> String {
+    let numbers: Vec<_> = cables.numbers().map(|number| number.to_string()).collect();
+    match &numbers[..] {
         [cable] => format!("cable {cable} at its {limit}"),
         _ => format!("cables {} at their {limit}", numbers.join(", ")),
     }

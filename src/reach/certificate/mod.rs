@@ -16,7 +16,7 @@ use thiserror::Error;
 pub use margins::Margins;
 pub use motion::Step;
 
-use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
+use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
 use statics::Cables;
 use taylor::Taylor;
@@ -48,9 +48,9 @@ pub enum Verdict {
         /// By how much some limit is broken at least, N.
         shortfall: f64,
         /// Numbers, from 1, of the cables whose least tension stands against it: they would have to pull less,
-        at_least: PerCable<usize>,
+        at_least: CableSet,
         /// and of those whose greatest does: they would have to pull more.
-        at_greatest: PerCable<usize>,
+        at_greatest: CableSet,
     },
     /// Neither could be proved.
     Undecided {
