@@ -1,16 +1,13 @@
 //! `cargo fmu build`: packs the four FMUs and checks what it packed.
 
-use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use cable_robot::cosim::{FmiVersion, platform};
-use cable_robot::fmi::describe::{VERSIONS, Version, checked_in, shipped_files};
+use cable_robot::fmi::archive::{self, Files};
+use cable_robot::fmi::describe::{VERSIONS, Version, checked_in};
 use cable_robot::fmi::{MODELS, Model};
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::{check, library, project_root};
 
@@ -28,7 +25,8 @@ pub fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
     for version in VERSIONS {
         for model in MODELS {
             let path = path_below(target, model, version);
-            pack(&path, contents(model, version, library.clone()))
+            let libraries = libraries(model, version, library.clone());
+            archive::write(&path, &archive::contents(&model.interface(), version, &libraries, None))
                 .with_context(|| format!("cannot pack {}", path.display()))?;
             check::packed(&path).with_context(|| format!("{} is not as it should be", path.display()))?;
             packed.push(path);
@@ -57,32 +55,12 @@ fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
     target.join("fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
 }
 
-/// Every file of an FMU by its path in the archive: sorted, as they are packed.
-fn contents(model: Model, version: Version, library: Vec<u8>) -> BTreeMap<String, Vec<u8>> {
-    let mut files: BTreeMap<_, _> = shipped_files(&model.interface(), version).into_iter().collect();
+/// The library by its path in the archive.
+fn libraries(model: Model, version: Version, library: Vec<u8>) -> Files {
     let folder = platform(match version {
         Version::Fmi2 => FmiVersion::V2,
         Version::Fmi3 => FmiVersion::V3,
     });
-    let binary = format!("binaries/{folder}/{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
-    files.insert(binary, library);
-    files
-}
-
-/// Writes the archive: the same files give the same bytes, whenever and wherever.
-fn pack(path: &Path, files: BTreeMap<String, Vec<u8>>) -> Result<()> {
-    fs::create_dir_all(path.parent().context("no folder")?)?;
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .last_modified_time(DateTime::DEFAULT)
-        .unix_permissions(0o644);
-    // Packed beside and renamed, so that nobody loads half a file.
-    let unfinished = path.with_extension("unfinished");
-    let mut archive = ZipWriter::new(File::create(&unfinished)?);
-    for (name, bytes) in files {
-        archive.start_file(name, options)?;
-        archive.write_all(&bytes)?;
-    }
-    archive.finish()?;
-    Ok(fs::rename(unfinished, path)?)
+    let path = format!("binaries/{folder}/{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
+    Files::from([(path, library)])
 }

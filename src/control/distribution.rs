@@ -3,7 +3,9 @@
 //! Six cables at a regular pose have one solution. Of more, u = ū + N z: the law takes the u nearest to a reference r that keeps a margin
 //! from the limits,
 //!
-//!     minimise  |u - r|²/2 + K/2 |excess over [l + m, h - m]|²   subject to  W u = w,  l ≤ u ≤ h.        (D1)
+//! ```text
+//! minimise  |u - r|²/2 + K/2 |excess over [l + m, h - m]|²   subject to  W u = w,  l ≤ u ≤ h          (D1)
+//! ```
 //!
 //! The objective is strictly convex: u is one, and continuous in W and w.
 
@@ -67,8 +69,7 @@ pub fn share(
     let solutions = Solutions::new(columns, wrench, rig.platform_radius())?;
     let limits = rig.limits();
     Some(match solutions.distribute(&limits, &reference(rig), margin) {
-        Distribution::Feasible(tensions) => tensions,
-        Distribution::Infeasible { nearest, .. } => nearest,
+        Distribution::Feasible(tensions) | Distribution::Infeasible { nearest: tensions, .. } => tensions,
     })
 }
 
@@ -177,6 +178,13 @@ impl Solutions {
             Outcome::Unfinished => {
                 Distribution::Infeasible { nearest: near, weights: near.map(|_| 0.0), shortfall: 0.0 }
             }
+        }
+    }
+
+    /// The tensions of (D1) without margin, within other limits than the rig's; nearly within them if there are none.
+    pub fn tensions_within(&self, limits: &PerCable<TensionLimits>, rig: &Rig) -> PerCable<f64> {
+        match self.distribute(limits, &reference(rig), 0.0) {
+            Distribution::Feasible(tensions) | Distribution::Infeasible { nearest: tensions, .. } => tensions,
         }
     }
 

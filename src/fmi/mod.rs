@@ -12,6 +12,7 @@
 //! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
 
 pub mod abi;
+pub mod archive;
 pub mod bindings;
 pub mod describe;
 pub mod error;

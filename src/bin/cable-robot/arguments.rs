@@ -45,11 +45,19 @@ pub fn share(text: &str) -> Result<f64, String> {
 
 /// Reads the rates of the six coordinates.
 pub fn rates(text: &str) -> Result<Coordinates, String> {
+    six(text, "rates are six (m/s, rad/s)")
+}
+
+/// Reads their accelerations.
+pub fn accelerations(text: &str) -> Result<Coordinates, String> {
+    six(text, "accelerations are six (m/s², rad/s²)")
+}
+
+fn six(text: &str, wanted: &str) -> Result<Coordinates, String> {
     let numbers = numbers(text)?;
     let count = numbers.len();
-    let rates: [f64; 6] =
-        numbers.try_into().map_err(|_| format!("{count} numbers given; rates are six (m/s, rad/s)"))?;
-    Ok(rates.into())
+    let six: [f64; 6] = numbers.try_into().map_err(|_| format!("{count} numbers given; {wanted}"))?;
+    Ok(six.into())
 }
 
 /// Reads a finite number.

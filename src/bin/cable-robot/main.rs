@@ -4,6 +4,7 @@ mod arguments;
 mod certify;
 mod completions;
 mod figure;
+mod fmu;
 mod picture;
 mod plan;
 mod progress;
@@ -13,6 +14,7 @@ mod rig;
 mod schema;
 mod simulate;
 mod study;
+mod tensions;
 mod workspace;
 
 use std::io::{ErrorKind, Write};
@@ -60,6 +62,12 @@ enum Task {
     /// A proof that one step, in all six coordinates, keeps every tension within its limits
     #[command(after_help = certify::EXAMPLE)]
     Certify(certify::Certify),
+    /// Length and tension of each cable at a pose
+    #[command(after_help = tensions::EXAMPLE)]
+    Tensions(tensions::Tensions),
+    /// Controller and plant of a rig as FMUs
+    #[command(after_help = fmu::EXAMPLE)]
+    Fmu(fmu::Fmu),
     /// The paper's figures as SVG, PNG and CSV
     #[command(after_help = figure::EXAMPLE)]
     Figure(figure::Figure),
@@ -90,6 +98,8 @@ fn main() -> ExitCode {
         Task::Simulate(task) => task.run(),
         Task::Report(task) => task.run(),
         Task::Certify(task) => task.run(),
+        Task::Tensions(task) => task.run(),
+        Task::Fmu(task) => task.run(),
         Task::Figure(task) => task.run(),
         Task::Schema(task) => task.run(),
         Task::Study(task) => task.run(),

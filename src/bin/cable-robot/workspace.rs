@@ -104,7 +104,7 @@ impl Workspace {
 }
 
 /// `None` where the cables cannot hold the platform at any point of the grid, nor at the rig's home.
-fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Option<Found> {
+pub fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Option<Found> {
     let coarse = slice.grid(slice.extent(), GRID, &row_done);
     let home = file.home.position().xy();
     let at_home = slice.margin(&home);

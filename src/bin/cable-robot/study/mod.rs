@@ -3,6 +3,7 @@
 mod cases;
 mod margins;
 mod plant;
+mod rigs;
 mod soundness;
 mod tightness;
 mod time;
@@ -28,6 +29,9 @@ pub enum Study {
     /// Steps accepted with margins, run on the packed plant with everything wrong at once that they allow
     #[command(after_help = margins::EXAMPLE)]
     Margins(margins::Margins),
+    /// Every rig of a folder: workspace, planner, and goals through its packed FMUs
+    #[command(after_help = rigs::EXAMPLE)]
+    Rigs(rigs::Rigs),
     /// Time to the goal with each planner
     #[command(after_help = time::EXAMPLE)]
     Time(time::Time),
@@ -39,6 +43,7 @@ impl Study {
             Study::Soundness(study) => study.run(),
             Study::Tightness(study) => study.run(),
             Study::Margins(study) => study.run(),
+            Study::Rigs(study) => study.run(),
             Study::Time(study) => study.run(),
         }
     }
