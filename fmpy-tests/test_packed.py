@@ -14,7 +14,7 @@ CONTROLLER = {
     "output": cable_names("motorTension") + pose_names("setPoint") + ["setPointIndex"] + pose_names("estimatedPose")
     + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance"],
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
-    "forceLoop".split(),
+    "forceLoop positionTolerance angleTolerance".split(),
 }
 PLANT = {
     "input": cable_names("motorTension") + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"],

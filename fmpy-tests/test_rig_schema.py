@@ -28,14 +28,16 @@ def test_the_bundled_rigs_conform_and_name_the_schema(path):
     assert first.startswith("#:schema ") and (path.parent / first.split(" ", 1)[1]).exists()
 
 
-def test_the_centre_of_mass_may_be_left_out_and_nothing_else():
+OPTIONAL = {"frame", "center_of_mass", "inertia_off_diagonal", "accuracy", "max", "min_tension", "max_tension", "pulley"}
+
+
+def test_what_may_be_left_out_may_and_nothing_else():
     rig = read(RIGS / "eight.toml")
-    del rig["platform"]["center_of_mass"]
-    VALIDATOR.validate(rig)
     for table in (rig, rig["platform"], rig["tension"], rig["gains"], rig["cables"][3]):
         for field in list(table):
             value = table.pop(field)
-            assert field in str(VALIDATOR.iter_errors(rig).__next__().message)
+            missing = [str(error.message) for error in VALIDATOR.iter_errors(rig)]
+            assert missing == [] if field in OPTIONAL else field in missing[0], field
             table[field] = value
 
 

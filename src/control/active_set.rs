@@ -2,7 +2,7 @@
 //!
 //! Goldfarb and Idnani (1983) for the Hessian 1: from the unconstrained optimum on, the row that is violated most is brought to its bound;
 //! rows whose multiplier would turn negative on the way are let go. Each pass raises the dual value, so no active set comes twice and the
-//! method ends. It allocates nothing, and is bounded by [`MOST_PASSES`].
+//! method ends. It allocates nothing, and is bounded by a fixed number of passes.
 
 /// Unknowns that a programme may have.
 pub const MOST_UNKNOWNS: usize = 16;
