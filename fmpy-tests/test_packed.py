@@ -12,7 +12,8 @@ CONTROLLER = {
     "input": pose_names("encoderPose") + cable_names("cableLength") + cable_names("measuredTension")
     + pose_names("goalPose") + ["enable"],
     "output": cable_names("motorTension") + pose_names("setPoint") + ["setPointIndex"] + pose_names("estimatedPose")
-    + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance"],
+    + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance", "fault",
+       "faultValue", "faultLimit"],
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
     "forceLoop positionTolerance angleTolerance".split(),
 }

@@ -1,4 +1,4 @@
-//! A six-cable suspended robot that never lets a cable go slack: controller, planner and plant, as a library and as FMUs.
+//! Cable-suspended robots, of six and more cables, that never let one go slack: controller, planner and plant, as a library and as FMUs.
 //!
 //! After Oh and Agrawal, *Guaranteed Reachable Domain and Control Design for a Cable Robot Subject to Input Constraints*.
 //! Where the program differs from the paper, `docs/paper.md` says so, with the figure.
@@ -31,7 +31,7 @@
 //! | m, I₁, I₂, I₃ | `m`, `i1`, `i2`, `i3` | kg, kg m² | mass, principal moments of inertia |
 //! | x = (x, y, z, roll, pitch, yaw) | [`robot::Pose`] | m, rad | coordinates, R = Rz Ry Rx |
 //! | x' | `rates` | m/s, rad/s | their rates |
-//! | u | `tension` | N | tensions of cables 1 to 6 |
+//! | u | `tension` | N | tensions of cables 1 to n |
 //! | -Jᵀ | [`robot::Cables::wrench_matrix`] | | tensions to force and torque on the platform |
 //! | λ, η | `lambda`, `eta` | 1/s | gains of (2) and (4) |
 //! | ω_n, ξ, Z_M | `omega_n`, `xi`, `z_m` | 1/s, -, - | (8), (9), (14) |

@@ -2,7 +2,9 @@
 
 mod common;
 
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
+use cable_robot::plan::{
+    Check, Controller, ControllerInputs, ControllerParameters, Fault, PlannerKind, Status,
+};
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use common::{ClosedLoop, inputs};
@@ -229,6 +231,50 @@ fn a_first_pose_that_cannot_be_holds_gravity_where_the_robot_was_said_to_be() {
         assert_eq!(output.status, Status::SensorFault);
         assert!(output.motor_tension.iter().all(|u| (u - 10.7612).abs() < 1e-3), "{output:?}");
     }
+}
+
+/// A master with a unit delay hands over zeros first: that latched a fault for ever, and nothing said why.
+#[test]
+fn a_first_pose_of_zeros_is_waited_out() {
+    let paper = ControllerParameters::default();
+    // Where the origin is a place like any other, zeros are a pose like any other.
+    let mut floor = paper;
+    floor.rig.cables.iter_mut().for_each(|cable| cable.anchor.z -= 1.0);
+    for (parameters, at, check) in
+        [(paper, Pose::at(0.1, 0.0, 1.0), Check::NotSet), (floor, Pose::at(0.1, 0.0, 0.0), Check::NotSet)]
+    {
+        let plant = PlantParameters { rig: parameters.rig, initial_pose: at, ..Default::default() };
+        let hanging = Plant::new(plant, &PlantInputs::none(6)).unwrap();
+        let good = inputs(hanging.outputs(), at, true);
+        let zeros = ControllerInputs { encoder_pose: Pose(Coordinates::zeros()), ..good };
+        let mut controller = Controller::new(parameters, 0.0, &good).unwrap();
+        controller.step(0.0, &zeros);
+        let output = controller.outputs();
+        assert_eq!((output.status, output.fault.check), (Status::SensorFault, check));
+        // Meanwhile gravity is held where the robot was said to be.
+        let held = controller.outputs().motor_tension;
+        controller.step(1e-3, &good);
+        let output = controller.outputs();
+        assert_ne!(output.status, Status::SensorFault, "{output:?}");
+        assert_eq!((output.fault, output.set_point), (Fault::NONE, at));
+        assert!(output.motor_tension.iter().zip(&held).all(|(now, then)| (now - then).abs() < 1e-9));
+    }
+}
+
+#[test]
+fn a_fault_says_which_check_and_what_value_and_ends_with_it() {
+    let mut closed_loop = to(Pose::at(0.0, 0.0, 1.0));
+    run(&mut closed_loop, 0.2);
+    let good = inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    assert_eq!(closed_loop.controller.outputs().fault, Fault::NONE);
+    closed_loop.controller.step(0.2, &ControllerInputs { encoder_pose: Pose::at(0.3, 0.0, 1.0), ..good });
+    let fault = closed_loop.controller.outputs().fault;
+    assert_eq!(fault.check, Check::PositionJump);
+    assert!((fault.value - 0.3).abs() < 1e-6 && (fault.limit - 0.052).abs() < 1e-9, "{fault:?}");
+    closed_loop.controller.step(0.201, &good);
+    assert_eq!(closed_loop.controller.outputs().fault, fault, "the first one stays");
+    closed_loop.controller.step(0.202, &ControllerInputs { enable: false, ..good });
+    assert_eq!(closed_loop.controller.outputs().fault, Fault::NONE);
 }
 
 /// Each jitter was a new goal with a new set point, and the robot never at it.

@@ -66,7 +66,8 @@ fn ctrl_c_leaves_the_old_picture_of_a_workspace() {
 #[test]
 fn ctrl_c_leaves_no_part_of_a_figure() {
     let folder = tempfile::tempdir().unwrap();
-    let nothing = || names(folder.path()).iter().for_each(|name| fs::remove_file(folder.path().join(name)).unwrap());
+    let nothing =
+        || names(folder.path()).iter().for_each(|name| fs::remove_file(folder.path().join(name)).unwrap());
     interrupt(folder.path(), &["figure", "8"], nothing);
     assert_eq!(names(folder.path()), [""; 0]);
 }

@@ -24,6 +24,11 @@ impl Estimator {
         Self { pose, rates: Vector6::zeros() }
     }
 
+    /// The pose after `dt` s at the estimated rates.
+    pub fn expected(&self, dt: f64) -> Pose {
+        Pose(self.pose.0 + self.rates * dt)
+    }
+
     /// Moves `dt` seconds on under `acceleration` (m/s², rad/s²) and takes in the pose measured then.
     pub fn update(&mut self, measured: &Pose, acceleration: &Coordinates, dt: f64) {
         if dt <= 0.0 {

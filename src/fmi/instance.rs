@@ -3,10 +3,11 @@
 use super::error::{FmiError, Status};
 use super::lifecycle::{Function, State};
 use super::log::{Category, Log};
-use super::models::{Interface, Model, Scalar};
+use super::models::{Interface, Model, Running, Scalar};
 use super::state::Snapshot;
 use super::values::Values;
 use super::variables::{Causality, Kind, Variability};
+use crate::plan::Fault;
 
 /// An instance as `fmi2Instantiate` or `fmi3InstantiateCoSimulation` makes it.
 pub struct Instance {
@@ -84,6 +85,9 @@ impl Instance {
         if let Some(warning) = self.interface.warning(&self.now.values) {
             self.log.send(Status::Ok, Category::Warning, &warning);
         }
+        if let Some(fault) = self.now.running.as_ref().and_then(Running::fault) {
+            self.warn_of(fault, self.time());
+        }
         self.event(|now| format!("initialised at t = {} s", now.time()));
         Ok(())
     }
@@ -100,6 +104,10 @@ impl Instance {
         running.step(&self.now.values, point, h)?;
         let before = self.log.is_enabled(Category::Events).then(|| self.now.values.clone());
         running.write_outputs(&mut self.now.values);
+        let fault = self.now.running.as_ref().and_then(Running::fault).map(|fault| fault.check);
+        if let Some(new) = running.fault().filter(|new| Some(new.check) != fault) {
+            self.warn_of(new, point);
+        }
         self.now.running = Some(running);
         self.now.set_time(point + h);
         if let Some(before) = before {
@@ -249,6 +257,13 @@ impl Instance {
             Causality::Independent => "time advances with doStep only",
         };
         Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
+    }
+
+    fn warn_of(&self, fault: &Fault, time: f64) {
+        if self.log.is_enabled(Category::Warning) {
+            let text = format!("SensorFault at t = {time} s: {fault}");
+            self.log.send(Status::Ok, Category::Warning, &text);
+        }
     }
 
     fn event(&self, text: impl FnOnce(&Snapshot) -> String) {

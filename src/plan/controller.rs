@@ -3,22 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::aim::{Search, WORK};
+use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
 use super::interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
 };
-use super::planner::{LARGEST_PITCH, Planner, Situation};
+use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov, static_tensions};
-use crate::robot::pose::PITCH;
-use crate::robot::{Coordinates, ParameterError, PerCable, Pose, forward_kinematics};
-
-/// A pose measured farther than this from where the robot should be by now, plus what it can travel meanwhile, is a sensor fault.
-/// m, rad, m/s, rad/s; lengths and speeds for the paper's rig, more for a larger one. The first two are the range in which forward
-/// kinematics is proved.
-const JUMP_POSITION: f64 = 0.05;
-const JUMP_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
-const TOP_SPEED: f64 = 2.0;
-const TOP_ANGULAR_RATE: f64 = 4.0;
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over.
 const STILL_AT_REST: f64 = 5.0;
@@ -55,7 +47,9 @@ pub struct Controller {
 enum Mode {
     Disabled,
     Active,
-    /// With the tensions held.
+    /// No pose made sense since the start: with the tensions held until one does.
+    Waiting(PerCable<f64>),
+    /// With the tensions held until `enable` falls.
     Faulted(PerCable<f64>),
 }
 
@@ -104,11 +98,11 @@ impl Controller {
             // The inputs of the first step are those of the start: what was known before may have been a start value only.
             self.begin(inputs);
         }
-        self.is_fresh = false;
         let dt = time - self.time;
         self.time = time;
         self.hold = dt;
         self.sense(inputs, dt);
+        self.is_fresh = false;
         if self.mode == Mode::Active {
             self.plan(&inputs.goal_pose);
         }
@@ -119,7 +113,7 @@ impl Controller {
     fn begin(&mut self, inputs: &ControllerInputs) {
         self.mode = Mode::Disabled;
         // A pose that cannot be leaves the one known before.
-        if self.is_usable(&inputs.encoder_pose) {
+        if self.encoder_pose(inputs).is_ok() {
             self.estimator = Estimator::at_rest(inputs.encoder_pose);
         }
         self.outputs = outputs_at(&self.estimator.pose, &least(&self.planner));
@@ -141,55 +135,62 @@ impl Controller {
 
     /// Takes in the measured pose and the operator's `enable`, and settles the mode.
     fn sense(&mut self, inputs: &ControllerInputs, dt: f64) {
-        let measured = self.measured_pose(inputs, dt).filter(|pose| self.is_usable(pose));
-        let was_disabled = self.mode == Mode::Disabled;
-        self.mode = match (inputs.enable, self.mode, measured) {
+        let measured = self.measured_pose(inputs, dt);
+        let jump = measured.ok().and_then(|pose| jump(&pose, &self.estimator, dt, self.planner.size));
+        let was = self.mode;
+        self.mode = match (inputs.enable, was, measured, jump) {
             (false, ..) => Mode::Disabled,
-            (true, Mode::Faulted(held), _) => Mode::Faulted(held),
-            (true, Mode::Active, Some(pose)) if self.is_jump(&pose, dt) => self.fault(),
-            (true, _, None) => self.fault(),
-            (true, _, Some(_)) => Mode::Active,
+            (true, Mode::Faulted(held), ..) => Mode::Faulted(held),
+            (true, Mode::Active, Ok(_), Some(fault)) | (true, Mode::Active, Err(fault), _) => {
+                self.fault(fault)
+            }
+            (true, _, Err(fault), _) if self.is_fresh || matches!(was, Mode::Waiting(_)) => {
+                Mode::Waiting(self.hold_still(fault))
+            }
+            (true, _, Err(fault), _) => self.fault(fault),
+            (true, _, Ok(_), _) => Mode::Active,
         };
-        match measured {
-            Some(pose) if self.is_jump(&pose, dt) => self.estimator = Estimator::at_rest(pose),
-            Some(pose) => self.estimator.update(&pose, &self.acceleration, dt),
-            None => {}
+        match (measured, jump) {
+            (Ok(pose), Some(_)) => self.estimator = Estimator::at_rest(pose),
+            (Ok(pose), None) => self.estimator.update(&pose, &self.acceleration, dt),
+            (Err(_), _) => {}
         }
-        if was_disabled && self.mode == Mode::Active {
+        if self.mode == Mode::Active && was != Mode::Active {
             self.start_here();
         }
-    }
-
-    fn measured_pose(&self, inputs: &ControllerInputs, dt: f64) -> Option<Pose> {
-        match self.planner.parameters.pose_source {
-            PoseSource::EncoderPose => Some(inputs.encoder_pose),
-            PoseSource::CableLengths => {
-                let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
-                forward_kinematics(self.planner.rig(), &inputs.cable_length, &expected)
-                    .ok()
-                    .map(|found| found.pose)
-            }
+        if matches!(self.mode, Mode::Active | Mode::Disabled) {
+            self.outputs.fault = Fault::NONE;
         }
     }
 
-    /// A pose at which cables can pull the platform up, not turned on edge.
-    fn is_usable(&self, pose: &Pose) -> bool {
-        self.planner.rig().can_be_at(pose) && pose.0[PITCH].abs() < LARGEST_PITCH
+    /// The pose measured, if it makes sense.
+    fn measured_pose(&self, inputs: &ControllerInputs, dt: f64) -> Result<Pose, Fault> {
+        let rig = self.planner.rig();
+        match self.planner.parameters.pose_source {
+            PoseSource::EncoderPose => self.encoder_pose(inputs),
+            PoseSource::CableLengths => pose_of_lengths(rig, &inputs.cable_length, &self.estimator, dt)
+                .and_then(|pose| check_pose(rig, pose)),
+        }
     }
 
-    /// Whether a pose is too far from where the robot should be by now.
-    fn is_jump(&self, pose: &Pose, dt: f64) -> bool {
-        let size = self.planner.size;
-        let expected = Pose(self.estimator.pose.0 + self.estimator.rates * dt);
-        let off = pose.minus(&expected);
-        off.fixed_rows::<3>(0).norm() > (JUMP_POSITION + TOP_SPEED * dt) * size
-            || off.fixed_rows::<3>(3).norm() > JUMP_ANGLE + TOP_ANGULAR_RATE * dt
+    fn encoder_pose(&self, inputs: &ControllerInputs) -> Result<Pose, Fault> {
+        let pose = inputs.encoder_pose;
+        if self.is_fresh && pose.0 == Coordinates::zeros() {
+            return Err(Fault::new(Check::NotSet, 0.0, 0.0, &pose));
+        }
+        check_pose(self.planner.rig(), pose)
     }
 
     /// From now on gravity is held at the last good pose.
-    fn fault(&self) -> Mode {
+    fn fault(&mut self, fault: Fault) -> Mode {
+        Mode::Faulted(self.hold_still(fault))
+    }
+
+    /// Takes note of a fault, and gives the tensions that hold gravity at the last good pose.
+    fn hold_still(&mut self, fault: Fault) -> PerCable<f64> {
+        self.outputs.fault = fault;
         let held = static_tensions(self.planner.rig(), &self.estimator.pose, self.planner.allowance());
-        Mode::Faulted(self.limited(held.unwrap_or(least(&self.planner))))
+        self.limited(held.unwrap_or(least(&self.planner)))
     }
 
     /// The measured pose becomes the set point, and the planner's clock starts.
@@ -288,13 +289,15 @@ impl Controller {
         if self.mode == Mode::Active {
             match self.law() {
                 Some(tension) => self.pull(&tension, inputs, dt),
-                None => self.mode = self.fault(),
+                None => {
+                    self.mode = self.fault(Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose }));
+                }
             }
         }
         match self.mode {
             Mode::Active => {}
             Mode::Disabled => self.outputs.motor_tension = least(&self.planner),
-            Mode::Faulted(held) => self.outputs.motor_tension = held,
+            Mode::Waiting(held) | Mode::Faulted(held) => self.outputs.motor_tension = held,
         }
         self.report(&inputs.goal_pose);
     }
@@ -338,7 +341,7 @@ impl Controller {
         self.outputs.at_goal = at_goal;
         self.outputs.status = match self.mode {
             Mode::Disabled => Status::Disabled,
-            Mode::Faulted(_) => Status::SensorFault,
+            Mode::Waiting(_) | Mode::Faulted(_) => Status::SensorFault,
             Mode::Active if self.unreachable => Status::GoalUnreachable,
             Mode::Active if at_goal => Status::AtGoal,
             Mode::Active if steady => Status::Holding,
@@ -346,7 +349,7 @@ impl Controller {
         };
         self.outputs.tension_margin = match self.mode {
             Mode::Active => self.prediction.smallest_from(self.time),
-            Mode::Disabled | Mode::Faulted(_) => {
+            Mode::Disabled | Mode::Waiting(_) | Mode::Faulted(_) => {
                 self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min)
             }
         };
@@ -366,6 +369,7 @@ fn outputs_at(pose: &Pose, least: &PerCable<f64>) -> ControllerOutputs {
         goal_distance: 0.0,
         tension_margin: 0.0,
         status: Status::Disabled,
+        fault: Fault::NONE,
     }
 }
 

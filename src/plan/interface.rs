@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::fault::Fault;
 use crate::control::Gains;
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
@@ -37,7 +38,8 @@ pub enum Status {
     AtGoal = 4,
     /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
     GoalUnreachable = 5,
-    /// The measured pose made no sense; gravity is held at the last good pose until `enable` falls and rises again.
+    /// The measured pose made no sense; gravity is held at the last good pose until `enable` falls and rises again. If none has made sense since
+    /// the start, only until one does.
     SensorFault = 6,
 }
 
@@ -169,6 +171,8 @@ pub struct ControllerOutputs {
     pub tension_margin: f64,
     /// What the controller is doing.
     pub status: Status,
+    /// Why, if that is `SensorFault`.
+    pub fault: Fault,
 }
 
 impl ControllerParameters {

@@ -6,6 +6,7 @@ mod bounded;
 pub mod controller;
 pub mod exact;
 pub mod extremes;
+pub mod fault;
 pub mod interface;
 pub mod linear_program;
 pub mod nearest;
@@ -14,6 +15,7 @@ pub mod prediction;
 mod tangents;
 
 pub use controller::Controller;
+pub use fault::{Check, Fault};
 pub use interface::{
     ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Rest, Status,
 };

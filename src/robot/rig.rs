@@ -245,12 +245,19 @@ impl Rig {
     /// Whether a measured pose makes sense: finite, and with a cable that pulls against gravity. A platform above all its anchors has
     /// none.
     pub fn can_be_at(&self, pose: &Pose) -> bool {
-        let rotation = pose.rotation();
-        let up = |cable: &Cable| {
-            (cable.anchor - pose.position() - rotation * cable.attachment).dot(&self.gravity) < 0.0
+        pose.0.iter().all(|coordinate| coordinate.is_finite()) && self.highest_anchor(pose) > 0.0
+    }
+
+    /// Height of the anchor that is highest above its attachment, m, against gravity; infinite without gravity.
+    pub fn highest_anchor(&self, pose: &Pose) -> f64 {
+        let (rotation, gravity) = (pose.rotation(), self.gravity.norm());
+        if gravity == 0.0 {
+            return f64::INFINITY;
+        }
+        let height = |cable: &Cable| {
+            -(cable.anchor - pose.position() - rotation * cable.attachment).dot(&self.gravity) / gravity
         };
-        pose.0.iter().all(|coordinate| coordinate.is_finite())
-            && (self.gravity == Vector3::zeros() || self.cables.iter().any(up))
+        self.cables.iter().map(height).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Smallest over largest singular value of the wrench matrix, torques taken at the platform's radius: below

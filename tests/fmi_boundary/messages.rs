@@ -116,3 +116,22 @@ fn warnings_and_events_come_with_logging_only_and_errors_always() {
         assert!(slave.take_messages().iter().all(|(_, category, _)| category == "logEvents"));
     }
 }
+
+/// A fault was a status and nothing else.
+#[test]
+fn a_fault_names_its_check_and_its_value() {
+    for fmi in BOTH {
+        let slave = Slave::logging(fmi, Model::Controller, true);
+        assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
+        assert_eq!(slave.step(0.0, 1e-3), OK);
+        slave.take_messages();
+        slave.set_reals(&[100], &[0.3]);
+        assert_eq!(slave.step(1e-3, 1e-3) + slave.step(2e-3, 1e-3), OK);
+        let messages = slave.take_messages();
+        let warnings: Vec<_> = messages.iter().filter(|(_, c, _)| c == "logStatusWarning").collect();
+        assert_eq!(warnings.len(), 1, "{messages:?}");
+        let text = &warnings[0].2;
+        assert!(text.contains("SensorFault at t = 0.001 s: encoderPose is 0.3000 m from where"), "{text}");
+        assert!(text.contains("check PositionJump"), "{text}");
+    }
+}

@@ -10,7 +10,8 @@ use crate::fmi::values::Values;
 use crate::fmi::variables::units::{METRE, NEWTON, PER_SECOND, RADIAN, SECOND};
 use crate::fmi::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
 use crate::plan::{
-    Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
+    Check, Controller, ControllerInputs, ControllerOutputs, ControllerParameters, Fault, PlannerKind,
+    PoseSource, Status,
 };
 use crate::robot::{ParameterError, Pose, Rig, Shape as PaperShape, TensionLimits};
 
@@ -50,8 +51,33 @@ const STATUS_TYPE: Enumeration = Enumeration {
         ("GoalUnreachable", "The goal cannot be had: the robot goes as far as is admissible and holds there"),
         (
             "SensorFault",
-            "The measured pose made no sense: gravity is held at the last good pose until enable falls and rises",
+            "The measured pose made no sense (see fault): gravity is held at the last good pose until enable falls and rises, or, \
+             if no pose has made sense since the start, until one does",
         ),
+    ],
+};
+const FAULT_TYPE: Enumeration = Enumeration {
+    name: "Fault",
+    description: "Which check a measurement failed",
+    first: 1,
+    items: &[
+        ("None", "None failed"),
+        ("NotSet", "The first encoderPose was zero in all six coordinates, as if never set"),
+        (
+            "AboveAnchors",
+            "Every anchor lies below its attachment; faultValue: height of the highest above it",
+        ),
+        ("Pitch", "encoderPose.pitch is too near a quarter turn; faultValue: its absolute value"),
+        ("PositionJump", "encoderPose is too far from where the robot should be by now; faultValue: how far"),
+        (
+            "AngleJump",
+            "encoderPose is turned too far from how the robot should be by now; faultValue: how far",
+        ),
+        (
+            "CableLengths",
+            "cableLength belongs to no pose near the last one; faultValue: the length that is farthest off",
+        ),
+        ("Singular", "No tensions give the wrench that the law wants"),
     ],
 };
 
@@ -275,6 +301,20 @@ const STATUS: Row = Row {
     ..output(228, "status", Shape::Scalar, None, MODE_AND_GOAL, "What the controller is doing")
 };
 
+const FAULT: Row = Row {
+    kind: Kind::Enumeration(&FAULT_TYPE),
+    variability: Variability::Discrete,
+    ..output(230, "fault", Shape::Scalar, None, MODE, "Why the status is SensorFault: the check that failed")
+};
+const FAULT_VALUE: Row = Row {
+    variability: Variability::Discrete,
+    ..output(231, "faultValue", Shape::Scalar, None, MODE, "What that check found, m or rad")
+};
+const FAULT_LIMIT: Row = Row {
+    variability: Variability::Discrete,
+    ..output(232, "faultLimit", Shape::Scalar, None, MODE, "What it is compared with, m or rad")
+};
+
 /// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
     &TIME,
@@ -311,6 +351,9 @@ pub const ROWS: &[&Row] = &[
     &TENSION_MARGIN,
     &STATUS,
     &GOAL_DISTANCE,
+    &FAULT,
+    &FAULT_VALUE,
+    &FAULT_LIMIT,
 ];
 
 /// The table of another rig.
@@ -383,6 +426,9 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&TENSION_MARGIN, [outputs.tension_margin]);
     values.write(&STATUS, [f64::from(outputs.status as i32)]);
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
+    values.write(&FAULT, [f64::from(outputs.fault.check as i32)]);
+    values.write(&FAULT_VALUE, [outputs.fault.value]);
+    values.write(&FAULT_LIMIT, [outputs.fault.limit]);
 }
 
 /// Copies the settings into `values`, but for the rig.
@@ -437,9 +483,9 @@ pub fn write_inputs(inputs: &ControllerInputs, values: &mut Values) {
     values.write(&ENABLE, [inputs.enable.into()]);
 }
 
-/// What [`write()`] wrote; a number that stands for no status is read as [`Status::Moving`].
+/// What [`write()`] wrote, of a fault without the pose; a number that stands for no status is read as [`Status::Moving`].
 pub fn outputs(values: &Values) -> ControllerOutputs {
-    let number = values.integer(&STATUS);
+    let (number, fault) = (values.integer(&STATUS), values.integer(&FAULT));
     ControllerOutputs {
         motor_tension: values.cables(&MOTOR_TENSION),
         set_point: values.pose(&SET_POINT),
@@ -451,6 +497,12 @@ pub fn outputs(values: &Values) -> ControllerOutputs {
         goal_distance: values.scalar(&GOAL_DISTANCE),
         tension_margin: values.scalar(&TENSION_MARGIN),
         status: Status::ALL.into_iter().find(|status| *status as i32 == number).unwrap_or(Status::Moving),
+        fault: Fault {
+            check: Check::ALL.into_iter().find(|check| *check as i32 == fault).unwrap_or(Check::None),
+            value: values.scalar(&FAULT_VALUE),
+            limit: values.scalar(&FAULT_LIMIT),
+            ..Fault::NONE
+        },
     }
 }
 
@@ -479,7 +531,14 @@ mod tests {
         }
         // Numbers that the paper's robot is recognised by.
         write_robot(&RobotParameters { a: 0.7, b: 0.2, ..RobotParameters::default() }, &mut values);
-        let flags = [(&FORCE_LOOP, 1.0), (&ENABLE, 0.0), (&STEADY, 1.0), (&AT_GOAL, 1.0), (&STATUS, 5.0)];
+        let flags = [
+            (&FORCE_LOOP, 1.0),
+            (&ENABLE, 0.0),
+            (&STEADY, 1.0),
+            (&AT_GOAL, 1.0),
+            (&STATUS, 5.0),
+            (&FAULT, 4.0),
+        ];
         let numbers = [(&PLANNER, 2.0), (&POSE_SOURCE, 2.0)];
         flags.iter().chain(&numbers).for_each(|(row, value)| values.put(row.first, *value));
         let mut copy = interface.start().clone();

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::FmiError;
 use super::values::Values;
-use crate::plan::controller::Controller;
+use crate::plan::{Check, Controller, Fault};
 use crate::sim::plant::Plant;
 
 pub use interface::{Interface, Scalar};
@@ -70,6 +70,16 @@ impl Running {
             Running::Plant(plant) => plant.step(&plant::inputs(values), h)?,
         }
         Ok(())
+    }
+
+    /// The controller's fault, if it has one.
+    pub fn fault(&self) -> Option<&Fault> {
+        match self {
+            Running::Controller(controller) => {
+                Some(&controller.outputs().fault).filter(|fault| fault.check != Check::None)
+            }
+            Running::Plant(_) => None,
+        }
     }
 
     /// Copies the outputs into `values`.
