@@ -386,7 +386,7 @@ fn what_the_page_shows_is_what_the_program_prints() {
     let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
     let shown: Vec<_> =
         page.split("```").filter_map(|block| block.strip_prefix("\n$ cable-robot ")).collect();
-    assert_eq!(shown.len(), 6);
+    assert_eq!(shown.len(), 7);
     for block in shown {
         let (command, expected) = block.split_once('\n').unwrap();
         let output = run(&command.split_whitespace().collect::<Vec<_>>());
@@ -498,4 +498,41 @@ fn margins_that_make_no_sense_are_named_by_their_option() {
         let (_, error) = written(2, &["certify", "--from", "0,0,1", "--to", "0.1,0,1", option, value]);
         assert!(error.contains(option) && error.contains(expected), "{error}");
     }
+}
+
+/// "Empty, cannot hold the platform anywhere", exit code 0: a solver's tolerance was taken for proof.
+#[test]
+fn a_greatest_tension_that_limits_nothing_does_not_empty_the_workspace() {
+    let eight = fs::read_to_string("rigs/eight.toml").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let area = |max: &str| {
+        let path = folder.path().join("rig.toml");
+        let line = eight.lines().find(|line| line.starts_with("max = ")).unwrap();
+        fs::write(&path, eight.replace(line, max).replace("rig.schema.json", "x")).unwrap();
+        number(&json(0, &["workspace", "--rig", path.to_str().unwrap()])["area"])
+    };
+    let unlimited = area("");
+    assert!((unlimited - 10.544).abs() < 1e-3, "{unlimited}");
+    for max in ["max = inf", "max = 1e8", "max = 1e13"] {
+        assert!((area(max) - unlimited).abs() < 1e-6 * unlimited, "{max}: {}", area(max));
+    }
+}
+
+#[test]
+fn tensions_hold_the_weight_and_say_who_shares_how() {
+    let rig = ["--rig", "rigs/eight.toml"];
+    let at = ["tensions", "--pose", "0.3,0.2,2"];
+    let law = json(0, &[&at[..], &rig[..]].concat());
+    let widest = json(0, &[&at[..], &rig[..], &["--distribution", "widest"]].concat());
+    let margin = |found: &Value| number(&found["margin"]);
+    assert!(margin(&law) > 20.0 && margin(&widest) > margin(&law), "{law} {widest}");
+    assert_eq!(law["cables"].as_array().unwrap().len(), 8);
+    // Upwards faster: every cable of a suspended rig pulls more in sum.
+    let sum = |found: &Value| -> f64 {
+        found["cables"].as_array().unwrap().iter().map(|cable| number(&cable["tension"])).sum()
+    };
+    let lifted = json(0, &[&at[..], &rig[..], &["--acceleration", "0,0,-2,0,0,0"]].concat());
+    assert!(sum(&lifted) > 1.1 * sum(&law), "{lifted}");
+    let (text, _) = written(3, &["tensions", "--pose", "0.3,0.3,1"]);
+    assert!(text.contains("each would have to be wider by 10.685 N"), "{text}");
 }
