@@ -6,7 +6,6 @@ use std::hint::black_box;
 use std::path::PathBuf;
 
 use cable_robot::control::Gains;
-use cable_robot::cosim::{Fmu, Instance};
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
@@ -17,6 +16,7 @@ use cable_robot::robot::{
     Coordinates, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
 };
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use cable_robot_import::{Fmu, Instance};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Vector2, Vector3};
 
@@ -56,7 +56,8 @@ fn library_steps(c: &mut Criterion) {
 }
 
 fn packed(model: &str) -> Instance {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("target/fmu/fmi3/{model}.fmu"));
+    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .join(format!("target/fmu/fmi3/{model}.fmu"));
     let instance = Fmu::open(path).unwrap().instantiate(model, Box::new(|_| {})).unwrap();
     instance.enter_initialization(0.0, None).unwrap();
     instance.exit_initialization().unwrap();

@@ -3,23 +3,42 @@
 //! After Oh and Agrawal, *Guaranteed Reachable Domain and Control Design for a Cable Robot Subject to Input Constraints*.
 //! Where the program differs from the paper, `docs/paper.md` says so, with the figure.
 //!
-//! # The house
+//! ```
+//! use cable_robot::control::static_margin;
+//! use cable_robot::plan::{ControllerParameters, Planner};
+//! use cable_robot::robot::{Pose, Rig, RobotParameters, TensionLimits};
 //!
-//! Arrows point down only: `robot <- control <- reach <- plan <- sim`; `fmi` and `rig` see all of these; `transport` sees `rig`;
-//! `cosim` sees only the FMI bindings.
+//! let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+//! let (start, goal) = (Pose::at(0.0, 0.0, 1.0), Pose::at(0.15, 0.15, 1.0));
+//! assert!(static_margin(&rig, &goal) > 1.0); // N: how far from its limits every tension is at rest there
 //!
-//! | paper | room | |
+//! let planner = Planner::from(ControllerParameters::of(&rig));
+//! let mut way = vec![start];
+//! while let Some(next) = planner.next_from_rest(way.last().unwrap(), &goal) {
+//!     way.push(next);
+//! }
+//! assert_eq!((way.len(), *way.last().unwrap()), (5, goal)); // the paper's four set points
+//! ```
+//!
+//! # Modules and crates
+//!
+//! This crate is the domain: no input or output, no clock, no FMI. Arrows point down only: `robot <- control <- reach <- plan <- sim`.
+//!
+//! | paper | module | |
 //! |---|---|---|
-//! | II | [`robot`] | parameters, geometry, inverse and forward kinematics, dynamics (1); rigs with any cables, from files |
-//! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), velocity estimate, force loop |
+//! | II | [`robot`] | rigs with any cables, from files; inverse and forward kinematics, dynamics (1) |
+//! | III | [`control`] | the law (2)-(6), gains (7)-(11), responses (12)-(14), tension distribution, velocity estimate, force loop |
 //! | IV | [`reach`] | static workspace (16), bounded reachable domain (15), exact domain, certificate |
 //! | V | [`plan`] | set points (17), the flow of Fig. 4, the controller as one struct |
 //! | VI | [`sim`] | the plant and its integrator; scenarios and the closed loop that runs them |
-//! | VII | [`rig`] | drives and load cells on a CAN bus: codecs and state machines |
-//! | | [`fmi`] | the C boundary: one library, two models, FMI 2.0 and 3.0 |
-//! | | [`cosim`] | an importer that steps any FMUs together |
-//! | | [`transport`] | CAN frames in and out: SocketCAN and serial adapters (Linux) |
-//! | | [`report`] | what a person looks at |
+//!
+//! | crate | |
+//! |---|---|
+//! | `cable_robot_fmi` | the C boundary: one library, two models, FMI 2.0 and 3.0 (`cable_robot_bindings`: the standard's headers) |
+//! | `cable_robot_import` | an importer that steps any FMUs together; it knows of no cables |
+//! | `cable_robot_fieldbus` | VII: drives and load cells on a CAN bus, the bridge, SocketCAN and serial adapters |
+//! | `cable_robot_report` | what a person looks at |
+//! | `programs` | `cable-robot`, `can-bridge`, `rig-sim` |
 //!
 //! # Notation
 //!
@@ -41,13 +60,7 @@
 //! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
 pub mod control;
-pub mod cosim;
-pub mod fmi;
 pub mod plan;
 pub mod reach;
-pub mod report;
-pub mod rig;
 pub mod robot;
 pub mod sim;
-#[cfg(target_os = "linux")]
-pub mod transport;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use cable_robot::cosim::{Fmu, Instance};
+use cable_robot_import::{Fmu, Instance};
 
 use crate::project_root;
 

@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use anyhow::Result;
-use cable_robot::cosim::{Fmu, Instance, LogMessage, Status};
-use cable_robot::fmi::Model;
-use cable_robot::fmi::describe::Version;
-use cable_robot::report::files::write_whole;
-use cable_robot::report::run_folder::{self, FORMAT};
-use cable_robot::report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
+use cable_robot_fmi::Model;
+use cable_robot_fmi::describe::Version;
+use cable_robot_import::{Fmu, Instance, LogMessage, Status};
+use cable_robot_report::files::write_whole;
+use cable_robot_report::run_folder::{self, FORMAT};
+use cable_robot_report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{pack, project_root};

@@ -16,7 +16,7 @@ pub fn build(target: &Path) -> Result<PathBuf> {
     spinner.enable_steady_tick(Duration::from_millis(100));
     // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["rustc", "--release", "--package", "cable-robot", "--lib", "--crate-type", "cdylib"])
+        .args(["rustc", "--release", "--package", "cable-robot-fmi", "--lib", "--crate-type", "cdylib"])
         .arg("--target-dir")
         .arg(target)
         .args(["--", "-C", "strip=symbols"])
@@ -27,6 +27,6 @@ pub fn build(target: &Path) -> Result<PathBuf> {
     if !output.status.success() {
         bail!("the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
     }
-    let name = format!("{}cable_robot{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}cable_robot_fmi{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(target.join("release").join(name))
 }

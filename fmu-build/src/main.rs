@@ -1,6 +1,5 @@
 //! Packs the FMUs, runs the demo and every check of cable-robot.
 
-mod bindings;
 mod check;
 mod demo;
 mod library;
@@ -8,7 +7,7 @@ mod pack;
 mod rig_demo;
 mod verify;
 
-use cable_robot::fmi::describe::Version;
+use cable_robot_fmi::describe::Version;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
@@ -40,12 +39,6 @@ enum Task {
     },
     /// Runs every check and every test
     Verify,
-    /// Regenerates src/fmi/bindings from the official FMI headers (needs libclang)
-    Bindings {
-        /// Compares with what is checked in and changes nothing
-        #[arg(long)]
-        check: bool,
-    },
 }
 
 #[derive(Subcommand)]
@@ -69,7 +62,6 @@ fn main() -> anyhow::Result<()> {
         Task::Demo { fmi: 2, .. } => demo::run(Version::Fmi2),
         Task::Demo { .. } => demo::run(Version::Fmi3),
         Task::Verify => verify::verify(),
-        Task::Bindings { check } => bindings::run(check),
     }
 }
 

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use cable_robot::cosim::{FmiVersion, platform};
-use cable_robot::fmi::archive::{self, Files};
-use cable_robot::fmi::describe::{VERSIONS, Version, checked_in};
-use cable_robot::fmi::{MODELS, Model};
+use cable_robot_fmi::archive::{self, Files};
+use cable_robot_fmi::describe::{VERSIONS, Version, checked_in};
+use cable_robot_fmi::{MODELS, Model};
+use cable_robot_import::{FmiVersion, platform};
 
 use crate::{check, library, project_root};
 

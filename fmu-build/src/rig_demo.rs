@@ -8,9 +8,9 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use cable_robot::report::files::write_whole;
-use cable_robot::report::run_folder::{self, RUN_CSV};
-use cable_robot::report::{RunFolder, html};
+use cable_robot_report::files::write_whole;
+use cable_robot_report::run_folder::{self, RUN_CSV};
+use cable_robot_report::{RunFolder, html};
 use serde_json::Value;
 
 use crate::{demo, pack, project_root};
@@ -79,7 +79,16 @@ pub fn run(wishes: &Wishes) -> Result<()> {
 /// Builds what the demo runs. What the compiler says is shown only if it fails.
 fn build(root: &Path) -> Result<()> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["build", "--release", "--package", "cable-robot", "--bin", "can-bridge", "--bin", "rig-sim"])
+        .args([
+            "build",
+            "--release",
+            "--package",
+            "cable-robot-programs",
+            "--bin",
+            "can-bridge",
+            "--bin",
+            "rig-sim",
+        ])
         .current_dir(root)
         .output()
         .context("cannot start cargo")?;

@@ -3,14 +3,14 @@
 use std::cell::OnceCell;
 
 use cable_robot::plan::ControllerParameters;
-use cable_robot::rig::bridge::TransportError;
-use cable_robot::rig::frame::FrameKind;
-use cable_robot::rig::simulated::{Bench, SimulatedRig};
-use cable_robot::rig::{
-    Bridge, Config, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State,
-};
 use cable_robot::robot::Pose;
 use cable_robot::sim::PlantParameters;
+use cable_robot_fieldbus::bridge::TransportError;
+use cable_robot_fieldbus::frame::FrameKind;
+use cable_robot_fieldbus::simulated::{Bench, SimulatedRig};
+use cable_robot_fieldbus::{
+    Bridge, Config, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State,
+};
 
 const AKD: &str = include_str!("../../rigs/can/akd.toml");
 

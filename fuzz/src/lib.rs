@@ -8,12 +8,12 @@ use std::fmt::Debug;
 use std::io::BufRead;
 
 use cable_robot::plan::ControllerParameters;
-use cable_robot::report::table::Table;
-use cable_robot::rig::candump::Line;
-use cable_robot::rig::slcan::{self, Received};
-use cable_robot::rig::{Bridge, Config, FrameQueue, LibraryController, bus_load, export};
 use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::ScenarioFile;
+use cable_robot_fieldbus::candump::Line;
+use cable_robot_fieldbus::slcan::{self, Received};
+use cable_robot_fieldbus::{Bridge, Config, FrameQueue, LibraryController, bus_load, export};
+use cable_robot_report::table::Table;
 
 /// Lines of a log and commands of an adapter: what is understood is written and read again as the same.
 pub fn frames(data: &[u8]) {

@@ -8,7 +8,9 @@ pub mod exact;
 pub mod extremes;
 pub mod fault;
 pub mod interface;
+#[cfg(feature = "clarabel")]
 pub mod linear_program;
+#[cfg(feature = "clarabel")]
 pub mod nearest;
 pub mod planner;
 pub mod prediction;

@@ -6,6 +6,7 @@ pub mod certificate;
 pub mod curve;
 pub mod exact;
 pub mod half_plane;
+#[cfg(feature = "clarabel")]
 pub mod quadratic_program;
 pub mod static_region;
 pub mod workspace;
@@ -15,6 +16,7 @@ pub use certificate::{Verdict, certify};
 pub use curve::Curve;
 pub use exact::ExactDomain;
 pub use half_plane::{HalfPlane, polygon};
+#[cfg(feature = "clarabel")]
 pub use quadratic_program::SolverError;
 pub use static_region::Slice;
 pub use workspace::{in_static_workspace, static_workspace};

@@ -1,0 +1,306 @@
+//! What can be wrong, as the bridge sees it.
+
+use thiserror::Error;
+
+use crate::Nanoseconds;
+use crate::canopen::{self, Emergency, NmtState, Node, Object, sdo};
+use crate::cia402::DriveState;
+
+/// Why the bridge gave up its controller's tensions, or never took them. Cables count from 1, buses from 0 as in the rig file.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum Fault {
+    /// A node did not start.
+    #[error("node {node} sent no boot-up message: is it powered, and are its address and bit rate right?")]
+    NoBoot {
+        /// Its address.
+        node: Node,
+    },
+    /// A node does not answer.
+    #[error("node {node} did not answer about object {object}, asked three times")]
+    NoAnswer {
+        /// Its address.
+        node: Node,
+        /// What was asked for.
+        object: Object,
+    },
+    /// A node refuses a setting.
+    #[error("node {node} refused object {object}: 0x{code:08X}, {}", sdo::abort_text(*.code))]
+    Refused {
+        /// Its address.
+        node: Node,
+        /// What was asked for.
+        object: Object,
+        /// Abort code.
+        code: u32,
+    },
+    /// A node's object is not what it should be.
+    #[error("object {object} of node {node} is 0x{found:X}, not 0x{expected:X}")]
+    Different {
+        /// Its address.
+        node: Node,
+        /// The object.
+        object: Object,
+        /// What was written, or asked for by the rig file.
+        expected: u32,
+        /// What was read.
+        found: u32,
+    },
+    /// A drive did not take up its mode.
+    #[error("drive {node} stays in mode {found}, cyclic synchronous torque is mode 10")]
+    ModeRefused {
+        /// Its address.
+        node: Node,
+        /// 0x6061.
+        found: i8,
+    },
+    /// A drive did not follow its control word.
+    #[error("drive {node} stays in \"{state}\"")]
+    DriveStuck {
+        /// Its address.
+        node: Node,
+        /// Where it is.
+        state: DriveState,
+    },
+    /// A drive reports a fault in its status word.
+    #[error("drive {node} is in \"{state}\"")]
+    DriveFault {
+        /// Its address.
+        node: Node,
+        /// Where it is.
+        state: DriveState,
+    },
+    /// A drive left Operation enabled unasked.
+    #[error("drive {node} left \"Operation enabled\" for \"{state}\"")]
+    DriveLeft {
+        /// Its address.
+        node: Node,
+        /// Where it is.
+        state: DriveState,
+    },
+    /// An emergency message.
+    #[error("{0}")]
+    Emergency(Emergency),
+    /// A node started again.
+    #[error("node {node} started again by itself")]
+    Rebooted {
+        /// Its address.
+        node: Node,
+    },
+    /// A node's heartbeat is missing.
+    #[error("node {node} sends no heartbeat")]
+    HeartbeatLost {
+        /// Its address.
+        node: Node,
+    },
+    /// A node left Operational.
+    #[error("node {node} is {state:?}, not Operational")]
+    NotOperational {
+        /// Its address.
+        node: Node,
+        /// What its heartbeat says.
+        state: NmtState,
+    },
+    /// No encoder values.
+    #[error("the encoder of cable {cable} is silent")]
+    EncoderSilent {
+        /// 1 to 6.
+        cable: usize,
+    },
+    /// The same encoder value again and again while the cable must be moving.
+    #[error("the encoder of cable {cable} is frozen")]
+    EncoderFrozen {
+        /// 1 to 6.
+        cable: usize,
+    },
+    /// Farther than a cable can have moved.
+    #[error("the encoder of cable {cable} jumped: {speed:.2} m/s")]
+    EncoderJump {
+        /// 1 to 6.
+        cable: usize,
+        /// What it would mean.
+        speed: f64,
+    },
+    /// No readings.
+    #[error("load cell {cable} is silent")]
+    LoadCellSilent {
+        /// 1 to 6.
+        cable: usize,
+    },
+    /// The same reading again and again while the pull changed.
+    #[error("load cell {cable} is stuck")]
+    LoadCellStuck {
+        /// 1 to 6.
+        cable: usize,
+    },
+    /// No number, or none that the cell can mean.
+    #[error("load cell {cable} says {tension} N, which cannot be")]
+    LoadCellAbsurd {
+        /// 1 to 6.
+        cable: usize,
+        /// N.
+        tension: f64,
+    },
+    /// A load cell and its motor do not agree.
+    #[error("load cell {cable} says {measured:.2} N while its motor pulls {commanded:.2} N")]
+    LoadCellDisagrees {
+        /// 1 to 6.
+        cable: usize,
+        /// N.
+        measured: f64,
+        /// N.
+        commanded: f64,
+    },
+    /// More cable came in, or went out, than slack can be.
+    #[error(
+        "cable {cable} came in by {length:.3} m and is not taut: loose, off its pulley, or (below 0) wound the other way round"
+    )]
+    LooseCable {
+        /// 1 to 6.
+        cable: usize,
+        /// m.
+        length: f64,
+    },
+    /// The lengths belong to no pose.
+    #[error("the cable lengths belong to no pose near the last one")]
+    NoPose,
+    /// The platform is turned too far.
+    #[error("the platform is turned by {angle:.3} rad")]
+    Tilted {
+        /// The largest of roll, pitch and yaw, rad.
+        angle: f64,
+    },
+    /// Somebody else sends what only the bridge may.
+    #[error(
+        "another master is on bus {bus}: it sent 0x{id:03X}, which only this bridge may; end one of them (or the adapter gives back what it is sent)"
+    )]
+    AnotherMaster {
+        /// Its place.
+        bus: usize,
+        /// SYNC, the bridge's heartbeat, or a torque frame.
+        id: u16,
+    },
+    /// The controller has left the bus.
+    #[error("bus {bus} is off: its controller saw too many errors")]
+    BusOff {
+        /// Its place.
+        bus: usize,
+    },
+    /// The transport cannot send.
+    #[error("bus {bus}: {error}")]
+    Transport {
+        /// Its place.
+        bus: usize,
+        /// Why.
+        error: TransportError,
+    },
+    /// The controller returned an error.
+    #[error("the controller failed, and no reset brings it back: start the program anew")]
+    ControllerFailed,
+    /// The controller says that its measurements make no sense.
+    #[error("the controller reports a sensor fault")]
+    ControllerSensorFault,
+    /// The controller asks for what is no tension, or is more than allowed.
+    #[error("the controller asks for {tension} N in cable {cable}")]
+    ControllerOutput {
+        /// 1 to 6.
+        cable: usize,
+        /// N.
+        tension: f64,
+    },
+    /// A cycle came too late.
+    #[error("no cycle for {:.1} ms", *.gap as f64 * 1e-6)]
+    Overrun {
+        /// Time since the one before.
+        gap: Nanoseconds,
+    },
+    /// Time went backwards.
+    #[error("the clock went back by {:.1} ms", *.by as f64 * 1e-6)]
+    ClockBackwards {
+        /// By so much.
+        by: Nanoseconds,
+    },
+}
+
+/// What a transport can say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TransportError {
+    /// ENOBUFS, or a queue that is full: this cycle's frames, or some of them, were dropped.
+    #[error("no room to send (ENOBUFS)")]
+    NoRoom,
+    /// ENETDOWN.
+    #[error("the link is down")]
+    Down,
+    /// ENODEV, or the other end closed.
+    #[error("the link is gone")]
+    Gone,
+}
+
+impl Fault {
+    /// Whether it is the same kind of fault of the same cable, node or bus.
+    fn is_again(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.place() == other.place()
+    }
+
+    /// Cable, node or bus, if it has one.
+    fn place(&self) -> usize {
+        use Fault::*;
+        match *self {
+            NoBoot { node }
+            | NoAnswer { node, .. }
+            | Refused { node, .. }
+            | Different { node, .. }
+            | ModeRefused { node, .. }
+            | DriveStuck { node, .. }
+            | DriveFault { node, .. }
+            | DriveLeft { node, .. }
+            | Emergency(canopen::Emergency { node, .. })
+            | Rebooted { node }
+            | HeartbeatLost { node }
+            | NotOperational { node, .. } => node.into(),
+            EncoderSilent { cable }
+            | EncoderFrozen { cable }
+            | EncoderJump { cable, .. }
+            | LoadCellSilent { cable }
+            | LoadCellStuck { cable }
+            | LoadCellAbsurd { cable, .. }
+            | LoadCellDisagrees { cable, .. }
+            | LooseCable { cable, .. }
+            | ControllerOutput { cable, .. } => cable,
+            AnotherMaster { bus, .. } | BusOff { bus } | Transport { bus, .. } => bus,
+            NoPose
+            | Tilted { .. }
+            | ControllerFailed
+            | ControllerSensorFault
+            | Overrun { .. }
+            | ClockBackwards { .. } => 0,
+        }
+    }
+}
+
+/// Faults, each once, in the order in which they came; of more than there is room for the last are left out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FaultList {
+    faults: [Option<Fault>; 32],
+}
+
+impl FaultList {
+    pub fn is_empty(&self) -> bool {
+        self.faults[0].is_none()
+    }
+
+    /// Whether it was not there yet, and is now.
+    pub fn insert(&mut self, fault: Fault) -> bool {
+        let is_its = |place: &&mut Option<Fault>| place.is_none_or(|known| known.is_again(&fault));
+        match self.faults.iter_mut().find(is_its) {
+            Some(place @ None) => {
+                *place = Some(fault);
+                true
+            }
+            Some(Some(_)) | None => false,
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
+        self.faults.iter().map_while(|fault| *fault)
+    }
+}

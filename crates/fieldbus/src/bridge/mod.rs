@@ -1,0 +1,430 @@
+//! The bridge: one state machine between a controller and the nodes on the buses. Frames and times in, frames out; no input or
+//! output of its own, so that the same inputs give the same bits (docs/rig.md).
+
+mod fault;
+mod measure;
+mod operator;
+mod output;
+mod queue;
+mod quiet;
+mod slack;
+mod startup;
+mod state;
+#[cfg(test)]
+mod tests;
+mod watch;
+
+pub use fault::{Fault, TransportError};
+pub use queue::FrameQueue;
+pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
+
+use fault::FaultList;
+use measure::{CellMonitor, Encoder};
+use slack::SlackStep;
+use startup::Startup;
+use state::EventLog;
+
+use super::Nanoseconds;
+use super::canopen::{Emergency, NmtState, Node, SdoResponse, TPDO1};
+use super::cia402::DriveState;
+use super::config::Config;
+use super::controller::TensionController;
+use super::frame::{Frame, FrameKind, error_class};
+use crate::{CABLES, PerCable, six_of};
+use cable_robot::plan::ControllerOutputs;
+use cable_robot::robot::{Pose, Rig};
+
+/// The state with what belongs to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    /// For another master; nothing is sent.
+    Listening {
+        since: Nanoseconds,
+    },
+    /// Zero torque, voltage off.
+    Quieting {
+        since: Nanoseconds,
+    },
+    Configuring,
+    Homing {
+        since: Nanoseconds,
+    },
+    TakingUpSlack {
+        since: Nanoseconds,
+        /// None until all drives are enabled.
+        step: Option<SlackStep>,
+    },
+    Ready,
+    /// First the weight is taken over from `from` to `lifted`, then the controller pulls.
+    Enabled {
+        since: Nanoseconds,
+        from: PerCable<f64>,
+        lifted: PerCable<f64>,
+        confirmed: Nanoseconds,
+    },
+    Stopping {
+        since: Nanoseconds,
+        from: PerCable<f64>,
+        to: SafePull,
+        is_fault: bool,
+    },
+    Safe(SafePull),
+    Fault(SafePull),
+    Off,
+    Shadow {
+        is_homed: bool,
+    },
+}
+
+/// What the motors pull in safety; `None` with the drives off.
+type SafePull = Option<Held>;
+
+/// Tensions, and the lengths around which each winch is a spring and a damper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Held {
+    /// N.
+    tension: PerCable<f64>,
+    /// m.
+    length: PerCable<f64>,
+}
+
+/// A node of the rig.
+#[derive(Clone, Debug)]
+struct Peer {
+    node: Node,
+    bus: usize,
+    startup: Startup,
+    /// When its last heartbeat came.
+    heard: Nanoseconds,
+}
+
+/// A drive as its frames show it.
+#[derive(Clone, Copy, Debug, Default)]
+struct DriveMonitor {
+    state: Option<DriveState>,
+    encoder: Encoder,
+    /// Left Operation enabled while it was to stay there, since the last reset: it pulls nothing any more.
+    has_left: bool,
+}
+
+/// The bridge with all its memory. After [`Bridge::new`] nothing is allocated any more.
+#[derive(Clone, Debug)]
+pub struct Bridge {
+    config: Config,
+    rig: Rig,
+    home_length: PerCable<f64>,
+    torque_frames: Vec<(usize, u16, [Option<usize>; 3])>,
+    peers: Vec<Peer>,
+    mode: Mode,
+    /// Time of the cycle, and what is added to the caller's so that it never goes back.
+    time: Nanoseconds,
+    offset: Nanoseconds,
+    is_started: bool,
+    drives: PerCable<DriveMonitor>,
+    cells: PerCable<CellMonitor>,
+    /// For each encoder, all lengths (m) when its value last changed.
+    still_since: PerCable<PerCable<f64>>,
+    /// The last pose that was plausible.
+    pose: Pose,
+    goal: Pose,
+    /// What the motors were told last, N.
+    told: PerCable<f64>,
+    /// The last tensions of the controller that passed every check, N.
+    certified: PerCable<f64>,
+    answer: Option<ControllerOutputs>,
+    /// Found since the last cycle.
+    pending: FaultList,
+    /// Told since the last reset.
+    told_faults: FaultList,
+    /// The first since the last reset.
+    fault: Option<Fault>,
+    has_spoken: bool,
+    /// Whether nodes are Operational and torques are sent.
+    is_running: bool,
+    is_resetting_drives: bool,
+    is_shutting_down: bool,
+    /// Whether the operator let go since the controller was last enabled.
+    is_released: bool,
+    next_heartbeat: Nanoseconds,
+    /// Consecutive cycles in which the transport had no room, and whether this is one.
+    no_room: u32,
+    had_no_room: bool,
+    events: EventLog,
+}
+
+impl Bridge {
+    /// Starts in [`State::Configuring`] with the first cycle.
+    pub fn new(config: Config) -> Self {
+        let rig = config.controller.rig();
+        let home = config.home;
+        let peer = |node, bus, startup| Peer { node, bus, startup, heard: 0 };
+        let mut peers: Vec<_> = (0..CABLES)
+            .map(|i| peer(config.drives[i].node, config.drives[i].bus, Startup::drive(&config, i)))
+            .collect();
+        for cell in &config.load_cells {
+            if peers.iter().all(|peer| peer.node != cell.node) {
+                peers.push(peer(cell.node, cell.bus, Startup::load_cell(&config, cell.node)));
+            }
+        }
+        Self {
+            home_length: six_of(&rig.cables_at(&home).length),
+            torque_frames: config.torque_frames(),
+            rig,
+            peers,
+            mode: Mode::Listening { since: 0 },
+            time: 0,
+            offset: 0,
+            is_started: false,
+            drives: Default::default(),
+            cells: Default::default(),
+            pose: home,
+            goal: home,
+            told: [0.0; CABLES],
+            still_since: Default::default(),
+            certified: [0.0; CABLES],
+            answer: None,
+            pending: FaultList::default(),
+            told_faults: FaultList::default(),
+            fault: None,
+            has_spoken: false,
+            is_running: false,
+            is_resetting_drives: false,
+            is_shutting_down: false,
+            is_released: true,
+            next_heartbeat: 0,
+            no_room: 0,
+            had_no_room: false,
+            events: EventLog::new(),
+            config,
+        }
+    }
+
+    /// Sends nothing, ever, and needs no operator: reads the frames of a rig that another controller drives, and computes what its own
+    /// would do. The platform is taken to be at the home pose when everything was heard for the first time.
+    pub fn shadow(config: Config) -> Self {
+        Self { mode: Mode::Shadow { is_homed: false }, ..Self::new(config) }
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// What it is doing.
+    pub fn state(&self) -> State {
+        match self.mode {
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring => State::Configuring,
+            Mode::Homing { .. } => State::Homing,
+            Mode::TakingUpSlack { .. } => State::TakingUpSlack,
+            Mode::Ready => State::Ready,
+            Mode::Enabled { .. } => State::Enabled,
+            Mode::Stopping { .. } => State::Stopping,
+            Mode::Safe(_) => State::Safe,
+            Mode::Fault(_) => State::Fault,
+            Mode::Off => State::Off,
+            Mode::Shadow { .. } => State::Shadow,
+        }
+    }
+
+    /// The next thing to log, with its time.
+    pub fn take_event(&mut self) -> Option<(Nanoseconds, Event)> {
+        self.events.pop(self.time)
+    }
+
+    /// Takes in a frame from a bus, seen at `now`. To be called in the order of arrival, before the cycle that shall know of it.
+    pub fn on_frame(&mut self, bus: usize, frame: &Frame, now: Nanoseconds) {
+        let now = now + self.offset;
+        self.watch_masters(bus, frame);
+        if frame.kind() == FrameKind::Error {
+            if frame.id() & error_class::BUS_OFF != 0 {
+                self.raise(Fault::BusOff { bus });
+            }
+        } else if let Some((node, state)) = NmtState::parse(frame) {
+            self.on_heartbeat(bus, node, state, now);
+        } else if let Some(emergency) = Emergency::parse(frame) {
+            self.on_emergency(bus, emergency, now);
+        } else if let Some((node, response)) = SdoResponse::parse(frame) {
+            let timeouts = self.config.timeouts;
+            let result = match self.peer(bus, node) {
+                Some(peer) => peer.startup.on_response(&response, now, &timeouts),
+                None => Ok(()),
+            };
+            self.expect(result);
+        } else {
+            self.on_process_data(bus, frame);
+        }
+    }
+
+    /// Takes in what a transport could not do since the last cycle.
+    pub fn on_transport_error(&mut self, bus: usize, error: TransportError) {
+        match error {
+            TransportError::NoRoom if self.no_room < self.config.limits.lost_cycles => {
+                self.had_no_room = true
+            }
+            _ => self.raise(Fault::Transport { bus, error }),
+        }
+    }
+
+    /// One cycle at `now`: reads what has arrived, steps the controller if it is its turn, and puts all that is to be sent now into `out`.
+    pub fn cycle(
+        &mut self,
+        now: Nanoseconds,
+        controller: &mut dyn TensionController,
+        out: &mut FrameQueue,
+    ) -> CycleReport {
+        out.clear();
+        self.advance_clock(now);
+        self.measure();
+        self.watch_nodes();
+        self.watch_drives();
+        self.follow_pose();
+        self.answer = None;
+        if self.pending.is_empty() && self.asks_the_controller() {
+            self.ask(controller);
+        }
+        for fault in std::mem::take(&mut self.pending).iter() {
+            self.fail(fault);
+        }
+        self.proceed(out);
+        let torques = self.send(out);
+        self.report(now, torques)
+    }
+
+    fn peer(&mut self, bus: usize, node: Node) -> Option<&mut Peer> {
+        self.peers.iter_mut().find(|peer| (peer.bus, peer.node) == (bus, node))
+    }
+
+    fn on_heartbeat(&mut self, bus: usize, node: Node, state: NmtState, now: Nanoseconds) {
+        // What nodes were doing before they are reset means nothing.
+        if matches!(self.mode, Mode::Shadow { .. } | Mode::Listening { .. } | Mode::Quieting { .. }) {
+            return;
+        }
+        let is_configuring = self.mode == Mode::Configuring;
+        let Some(peer) = self.peer(bus, node) else { return };
+        peer.heard = now;
+        let result = match state {
+            _ if is_configuring => peer.startup.on_heartbeat(state, now),
+            NmtState::Operational => Ok(()),
+            NmtState::BootUp => Err(Fault::Rebooted { node }),
+            state => Err(Fault::NotOperational { node, state }),
+        };
+        self.expect(result);
+    }
+
+    fn on_emergency(&mut self, bus: usize, emergency: Emergency, now: Nanoseconds) {
+        if self.peer(bus, emergency.node).is_none() {
+            return;
+        }
+        self.events.push(now, Event::Emergency(emergency));
+        if emergency.code != 0 && self.is_active() {
+            self.raise(Fault::Emergency(emergency));
+        }
+    }
+
+    fn on_process_data(&mut self, bus: usize, frame: &Frame) {
+        let is_from = |at: usize, node: Node| (at, TPDO1 + u16::from(node)) == (bus, frame.id());
+        if frame.kind() != FrameKind::Data {
+            return;
+        }
+        for (drive, monitor) in self.config.drives.iter().zip(&mut self.drives) {
+            let fields = (frame.array(0), frame.array(2));
+            if let (true, (Some(status), Some(counts))) = (is_from(drive.bus, drive.node), fields) {
+                // Bits that belong to no state leave the last one standing.
+                monitor.state = DriveState::of_status(u16::from_le_bytes(status)).or(monitor.state);
+                monitor.encoder.receive(i32::from_le_bytes(counts));
+            }
+        }
+        for (cell, monitor) in self.config.load_cells.iter().zip(&mut self.cells) {
+            if is_from(cell.bus, cell.node) {
+                monitor.receive(cell.cell.read(frame, cell.byte));
+            }
+        }
+    }
+
+    /// Notes a fault for the next cycle.
+    fn raise(&mut self, fault: Fault) {
+        self.pending.insert(fault);
+    }
+
+    fn expect(&mut self, result: Result<(), Fault>) {
+        if let Err(fault) = result {
+            self.raise(fault);
+        }
+    }
+
+    /// Whether cables may be under tension by the bridge's doing.
+    fn is_active(&self) -> bool {
+        let is_on_the_way =
+            matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. } | Mode::Safe(_));
+        is_on_the_way || self.is_pulling()
+    }
+
+    /// Whether the drives are to be in Operation enabled by now.
+    fn is_pulling(&self) -> bool {
+        match self.mode {
+            Mode::TakingUpSlack { step, .. } => step.is_some(),
+            Mode::Ready | Mode::Enabled { .. } => true,
+            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
+        }
+    }
+
+    fn asks_the_controller(&self) -> bool {
+        matches!(
+            self.mode,
+            Mode::Ready | Mode::Enabled { .. } | Mode::Safe(_) | Mode::Shadow { is_homed: true }
+        )
+    }
+
+    fn advance_clock(&mut self, now: Nanoseconds) {
+        let time = now + self.offset;
+        if !self.is_started {
+            self.is_started = true;
+            self.time = time;
+            self.next_heartbeat = time;
+            self.events.push(time, Event::Entered(self.state()));
+            if let Mode::Listening { since } = &mut self.mode {
+                *since = time;
+            }
+            return;
+        }
+        if time <= self.time {
+            self.raise_if_active(Fault::ClockBackwards { by: self.time - time });
+            self.offset += self.time + self.config.period - time;
+            self.time += self.config.period;
+            return;
+        }
+        let gap = time - self.time;
+        if gap > self.config.period * u64::from(self.config.limits.lost_cycles + 1) {
+            self.raise_if_active(Fault::Overrun { gap });
+        }
+        self.time = time;
+    }
+
+    fn raise_if_active(&mut self, fault: Fault) {
+        if self.is_active() {
+            self.raise(fault);
+        }
+    }
+
+    fn report(&self, time: Nanoseconds, target_torque: PerCable<i16>) -> CycleReport {
+        CycleReport {
+            time,
+            state: self.state(),
+            fault: self.fault,
+            length: self.lengths(),
+            pose: self.pose,
+            measured: self.cells.map(|cell| cell.tension()),
+            tension: self.told,
+            target_torque,
+            drive: self.drives.map(|drive| drive.state),
+            missed: std::array::from_fn(|i| [self.drives[i].encoder.missed, self.cells[i].missed]),
+            controller: self.answer,
+        }
+    }
+}

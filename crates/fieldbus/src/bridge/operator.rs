@@ -1,0 +1,242 @@
+//! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
+
+use super::state::{Cause, Event, OperatorCommand, Refusal, State};
+use super::{Bridge, Fault, FrameQueue, Held, Mode, SafePull};
+use crate::Nanoseconds;
+use crate::cia402::DriveState;
+use crate::config::SafeOutput;
+use crate::{CABLES, PerCable, six_of};
+use cable_robot::control::static_tensions;
+use cable_robot::robot::Pose;
+
+impl Bridge {
+    /// Takes in what the operator asks for at `now`.
+    ///
+    /// # Errors
+    /// [`Refusal`]: why it is not done.
+    pub fn operator(&mut self, command: OperatorCommand, now: Nanoseconds) -> Result<(), Refusal> {
+        let now = now + self.offset;
+        let refusal = Refusal::State { command, state: self.state() };
+        match (command, self.mode) {
+            (OperatorCommand::Goal(goal), _) if !goal.0.iter().all(|x| x.is_finite()) => {
+                return Err(Refusal::Goal(goal));
+            }
+            (OperatorCommand::Goal(goal), Mode::Enabled { .. } | Mode::Shadow { .. }) => self.goal = goal,
+            (OperatorCommand::Home, Mode::Homing { .. }) => return self.begin_homing(now),
+            (OperatorCommand::Enable, Mode::Enabled { since, from, lifted, .. }) => {
+                self.mode = Mode::Enabled { since, from, lifted, confirmed: now };
+            }
+            (OperatorCommand::Enable, Mode::Ready | Mode::Safe(Some(_))) if self.is_released => {
+                return self.enable(now);
+            }
+            (OperatorCommand::Enable, Mode::Ready | Mode::Safe(Some(_))) => {
+                return Err(Refusal::StillPressed);
+            }
+            // A button that is pressed too early does nothing later either.
+            (OperatorCommand::Enable, _) => {
+                self.is_released = false;
+                return Err(refusal);
+            }
+            (OperatorCommand::Release, _) => {
+                self.is_released = true;
+                if matches!(self.mode, Mode::Enabled { .. }) {
+                    self.stop(Cause::Released);
+                }
+            }
+            (OperatorCommand::Reset, Mode::Homing { .. } | Mode::Safe(_) | Mode::Fault(_)) => self.reset(),
+            (OperatorCommand::Shutdown, mode) => {
+                self.is_shutting_down = true;
+                match mode {
+                    Mode::Enabled { .. } => self.stop(Cause::Shutdown),
+                    Mode::Stopping { .. } => {}
+                    _ => self.enter(Mode::Off),
+                }
+            }
+            _ => return Err(refusal),
+        }
+        Ok(())
+    }
+
+    pub(super) fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        let state = self.state();
+        self.events.push(self.time, Event::Entered(state));
+    }
+
+    /// The platform is at the home pose: every cable has its length there.
+    fn begin_homing(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
+        let limits = self.config.limits;
+        for i in 0..CABLES {
+            let (cable, node) = (i + 1, self.config.drives[i].node);
+            let missing = match self.drives[i].state {
+                _ if !self.drives[i].encoder.is_alive(&limits) => Some(Fault::EncoderSilent { cable }),
+                _ if !self.cells[i].is_alive(&limits) => Some(Fault::LoadCellSilent { cable }),
+                Some(state) if state.is_faulted() => Some(Fault::DriveFault { node, state }),
+                _ => None,
+            };
+            if let Some(fault) = missing {
+                return Err(Refusal::NotYet(fault));
+            }
+        }
+        self.take_references();
+        self.enter(Mode::TakingUpSlack { since: now, step: None });
+        Ok(())
+    }
+
+    fn is_everything_alive(&self) -> bool {
+        let limits = &self.config.limits;
+        self.drives.iter().all(|drive| drive.encoder.is_alive(limits))
+            && self.cells.iter().all(|cell| cell.is_alive(limits))
+    }
+
+    pub(super) fn take_references(&mut self) {
+        for i in 0..CABLES {
+            self.drives[i].encoder.home(self.home_length[i]);
+        }
+        self.pose = self.config.home;
+    }
+
+    fn enable(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
+        for i in 0..CABLES {
+            let now = self.cells[i].disagreement(i + 1, self.told[i], 0);
+            now.map_err(Refusal::NotYet)?;
+        }
+        self.is_released = false;
+        self.certified = self.told;
+        let at = self.pose.position();
+        self.goal = Pose::at(at.x, at.y, at.z);
+        let lifted = self.gravity_hold();
+        self.enter(Mode::Enabled { since: now, from: self.told, lifted, confirmed: now });
+        Ok(())
+    }
+
+    /// Everything anew; the drives lose their torque. Who never was alone on the buses listens once more.
+    fn reset(&mut self) {
+        self.is_running = false;
+        self.is_resetting_drives = true;
+        self.is_released = true;
+        (self.pending, self.told_faults, self.fault) = Default::default();
+        (self.drives, self.cells) = Default::default();
+        let since = self.time;
+        self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
+    }
+
+    /// What time and nodes bring about when nothing is wrong.
+    pub(super) fn proceed(&mut self, out: &mut FrameQueue) {
+        match self.mode {
+            Mode::Shadow { is_homed: false } if self.is_everything_alive() => {
+                self.take_references();
+                self.mode = Mode::Shadow { is_homed: true };
+            }
+            Mode::Listening { since } => self.listen(since),
+            Mode::Quieting { since } => self.quiet(since),
+            Mode::Configuring => self.configure(out),
+            Mode::Homing { since } => self.reset_drives(since),
+            Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
+            Mode::Enabled { confirmed, .. }
+                if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
+            {
+                self.stop(Cause::EnableExpired);
+            }
+            Mode::Stopping { since, to, is_fault, .. }
+                if self.time.saturating_sub(since) >= self.config.safe.ramp =>
+            {
+                self.enter(match (self.is_shutting_down, is_fault) {
+                    (true, _) => Mode::Off,
+                    (false, true) => Mode::Fault(to),
+                    (false, false) => Mode::Safe(to),
+                });
+            }
+            _ => {}
+        }
+    }
+
+    fn configure(&mut self, out: &mut FrameQueue) {
+        let (time, timeouts) = (self.time, self.config.timeouts);
+        for k in 0..self.peers.len() {
+            let bus = self.peers[k].bus;
+            match self.peers[k].startup.next(time, &timeouts) {
+                Ok(frame) => frame.into_iter().for_each(|frame| _ = out.push(bus, frame)),
+                Err(fault) => return self.fail(fault),
+            }
+        }
+        if self.peers.iter().all(|peer| peer.startup.is_done()) {
+            self.is_running = true;
+            self.peers.iter_mut().for_each(|peer| peer.heard = time);
+            self.enter(Mode::Homing { since: time });
+        }
+    }
+
+    /// After a reset, and then only, drives are led out of Fault.
+    fn reset_drives(&mut self, since: Nanoseconds) {
+        if !self.is_resetting_drives || self.drives.iter().any(|drive| drive.state.is_none()) {
+            return;
+        }
+        let faulted = (0..CABLES).find(|i| self.drives[*i].state.is_some_and(DriveState::is_faulted));
+        match faulted {
+            None => self.is_resetting_drives = false,
+            Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
+                self.fail_drive_stuck(i);
+            }
+            Some(_) => {}
+        }
+    }
+
+    pub(super) fn fail_drive_stuck(&mut self, i: usize) {
+        let state = self.drives[i].state.unwrap_or(DriveState::NotReadyToSwitchOn);
+        self.fail(Fault::DriveStuck { node: self.config.drives[i].node, state });
+    }
+
+    /// From the controller's tensions to the safe output.
+    fn stop(&mut self, cause: Cause) {
+        self.events.push(self.time, Event::Stopped(cause));
+        let is_fault = matches!(cause, Cause::Fault(_));
+        let to = self.safe_pull();
+        self.enter(Mode::Stopping { since: self.time, from: self.told, to, is_fault });
+    }
+
+    fn safe_pull(&self) -> SafePull {
+        let tension = match self.config.safe.output {
+            SafeOutput::Hold => self.certified,
+            SafeOutput::GravityRamp => self.gravity_hold(),
+            SafeOutput::TorqueOff => return None,
+        };
+        Some(Held { tension, length: self.lengths() })
+    }
+
+    /// What carries the platform at rest at the last good pose, N, as far as cables can.
+    fn gravity_hold(&self) -> PerCable<f64> {
+        let controller = &self.config.controller;
+        let held = static_tensions(&self.rig, &self.pose, 0.0).map_or(self.certified, |held| six_of(&held));
+        held.map(|tension| tension.clamp(0.0, controller.max_tension))
+    }
+
+    pub(super) fn fail(&mut self, fault: Fault) {
+        // With the torque off there is nothing left to lose.
+        if matches!(self.mode, Mode::Fault(None) | Mode::Off) {
+            return;
+        }
+        if self.told_faults.insert(fault) {
+            self.events.push(self.time, Event::Fault(fault));
+        }
+        self.fault.get_or_insert(fault);
+        match self.mode {
+            Mode::Fault(_) | Mode::Stopping { is_fault: true, .. } => {}
+            Mode::Enabled { .. } => self.stop(Cause::Fault(fault)),
+            Mode::Stopping { since, from, to, .. } => {
+                self.mode = Mode::Stopping { since, from, to, is_fault: true }
+            }
+            Mode::Safe(to) => self.enter(Mode::Fault(to)),
+            Mode::Shadow { .. } => {}
+            // The platform still is on its stand.
+            _ => self.enter(Mode::Fault(None)),
+        }
+    }
+
+    /// Whether the drives are off and may be left alone.
+    pub fn is_off(&self) -> bool {
+        let is_enabled =
+            |state| matches!(state, Some(DriveState::OperationEnabled | DriveState::QuickStopActive));
+        self.state() == State::Off && !self.drives.iter().any(|drive| is_enabled(drive.state))
+    }
+}

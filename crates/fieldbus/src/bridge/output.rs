@@ -1,0 +1,130 @@
+//! What a state commands, and the frames that say so.
+
+use super::{Bridge, FrameQueue, Held, Mode};
+use crate::Nanoseconds;
+use crate::bus_load::torque_frame_bytes;
+use crate::canopen::{NmtState, sync};
+use crate::cia402::{Demand, DriveState};
+use crate::frame::{Frame, FrameKind};
+use crate::{CABLES, PerCable, six_of};
+
+impl Bridge {
+    /// Tensions (N) and what is demanded of the drives.
+    fn command(&mut self) -> (PerCable<f64>, Demand) {
+        const NOTHING: PerCable<f64> = [0.0; CABLES];
+        match self.mode {
+            Mode::Shadow { .. } => {
+                (self.answer.map_or(NOTHING, |answer| six_of(&answer.motor_tension)), Demand::Off)
+            }
+            Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
+                (NOTHING, Demand::Off)
+            }
+            Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
+            Mode::Homing { .. } => (NOTHING, Demand::Off),
+            Mode::TakingUpSlack { step, .. } => {
+                (step.map_or(NOTHING, |step| self.slack_pull(&step)), Demand::Enabled)
+            }
+            Mode::Ready => ([self.config.slack.pretension; CABLES], Demand::Keep),
+            Mode::Enabled { since, from, lifted, .. } => {
+                let share = self.share(since, self.config.safe.ramp);
+                self.certified = match self.answer {
+                    Some(answer) if share == 1.0 => six_of(&answer.motor_tension),
+                    _ => blend(&from, &lifted, share),
+                };
+                (self.certified, Demand::Keep)
+            }
+            Mode::Stopping { since, from, to: Some(to), .. } => {
+                let tension = blend(&from, &to.tension, self.share(since, self.config.safe.ramp));
+                (self.stiffened(&Held { tension, ..to }), Demand::Keep)
+            }
+            Mode::Stopping { to: None, .. } => (NOTHING, Demand::QuickStop),
+            Mode::Safe(Some(to)) | Mode::Fault(Some(to)) => (self.stiffened(&to), Demand::Keep),
+            Mode::Safe(None) | Mode::Fault(None) => (NOTHING, Demand::Off),
+        }
+    }
+
+    /// Each winch resists by itself what its cable does: constant tensions alone let the platform turn over at some poses. One whose
+    /// encoder failed cannot, and while a value is missing, nothing is made of lengths that were not measured.
+    fn stiffened(&self, held: &Held) -> PerCable<f64> {
+        let (safe, most) = (&self.config.safe, self.config.controller.max_tension);
+        std::array::from_fn(|i| {
+            let encoder = &self.drives[i].encoder;
+            let (length, rate) = encoder.last_measured();
+            let resistance = safe.stiffness * (length - held.length[i]) + safe.damping * rate;
+            let resistance = if encoder.has_failed { 0.0 } else { resistance };
+            (held.tension[i] + resistance).clamp(0.0, most)
+        })
+    }
+
+    /// How much of a ramp that began then is behind, 0 to 1.
+    pub(super) fn share(&self, since: Nanoseconds, ramp: Nanoseconds) -> f64 {
+        let elapsed = self.time.saturating_sub(since);
+        if elapsed >= ramp { 1.0 } else { elapsed as f64 / ramp as f64 }
+    }
+
+    /// Torques, SYNC and heartbeat of this cycle. Says what torques the drives are told, ‰.
+    pub(super) fn send(&mut self, out: &mut FrameQueue) -> PerCable<i16> {
+        let (tension, demand) = self.command();
+        for drive in &mut self.drives {
+            drive.has_left |= demand == Demand::Keep && drive.state != Some(DriveState::OperationEnabled);
+        }
+        let tension: PerCable<f64> =
+            std::array::from_fn(|i| if self.drives[i].has_left { 0.0 } else { tension[i] });
+        let torque: PerCable<i16> =
+            std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
+        self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
+        if !self.has_spoken {
+            return torque;
+        }
+        let has_process_data = self.is_running || matches!(self.mode, Mode::Quieting { .. });
+        if has_process_data {
+            for (bus, id, slots) in &self.torque_frames {
+                let word = self.control_word(slots, demand);
+                if let Some(frame) = torque_frame(*id, slots, word, &torque) {
+                    out.push(*bus, frame);
+                }
+            }
+        }
+        for bus in 0..self.config.buses.len() {
+            if has_process_data {
+                out.push(bus, sync());
+            }
+            if self.time >= self.next_heartbeat {
+                out.push(bus, NmtState::Operational.heartbeat(self.config.node));
+            }
+        }
+        if self.time >= self.next_heartbeat {
+            self.next_heartbeat = self.time + self.config.heartbeat.period;
+        }
+        torque
+    }
+
+    /// One control word for the drives that share a frame: upwards the one that the last of them needs, else the one that acts.
+    /// A drive in Fault neither holds the others back nor needs to be told. One that fell out to Switched on is led up again by the word
+    /// that keeps the others enabled, since CiA 402 has no other; that is why it is told no torque.
+    fn control_word(&self, slots: &[Option<usize>; 3], demand: Demand) -> u16 {
+        let states = || slots.iter().flatten().filter_map(|i| self.drives[*i].state);
+        match demand {
+            Demand::Enabled => {
+                let sound = states().filter(|state| !state.is_faulted());
+                sound.map(|state| state.control_word(demand)).min().unwrap_or(0)
+            }
+            _ => states().map(|state: DriveState| state.control_word(demand)).max().unwrap_or(0),
+        }
+    }
+}
+
+pub(super) fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
+    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
+}
+
+/// Control word, then the torque of each slot.
+fn torque_frame(id: u16, slots: &[Option<usize>; 3], word: u16, torque: &PerCable<i16>) -> Option<Frame> {
+    let mut bytes = [0; 8];
+    bytes[..2].copy_from_slice(&word.to_le_bytes());
+    for (slot, cable) in slots.iter().enumerate() {
+        let value = cable.map_or(0, |i| torque[i]);
+        bytes[2 + 2 * slot..][..2].copy_from_slice(&value.to_le_bytes());
+    }
+    Frame::new(FrameKind::Data, id, &bytes[..torque_frame_bytes(slots)])
+}

@@ -1,0 +1,88 @@
+//! Taking up slack on the stand: the pretension in all cables, then in one after the other twice of it. A load cell that is dead,
+//! scaled wrongly or that of another cable does not say what its own motor pulls.
+
+use super::output::blend;
+use super::{Bridge, Fault, Mode};
+use crate::Nanoseconds;
+use crate::cia402::DriveState;
+use crate::{CABLES, PerCable};
+
+/// To the pretension (0), then cable 1 to 6 pulls twice of it, then back to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SlackStep {
+    number: usize,
+    begun: Nanoseconds,
+    /// Cycles in a row in which all load cells agreed.
+    calm: u32,
+}
+
+const LAST: usize = CABLES + 1;
+
+impl Bridge {
+    /// What is pulled, N.
+    pub(super) fn slack_pull(&self, step: &SlackStep) -> PerCable<f64> {
+        let from = if step.number == 0 { [0.0; CABLES] } else { self.slack_tension(step.number - 1) };
+        let share = self.share(step.begun, self.slack_ramp(step.number));
+        blend(&from, &self.slack_tension(step.number), share)
+    }
+
+    /// At the end of a step, N.
+    fn slack_tension(&self, number: usize) -> PerCable<f64> {
+        let pretension = self.config.slack.pretension;
+        std::array::from_fn(|i| if i + 1 == number { 2.0 * pretension } else { pretension })
+    }
+
+    /// With the slack gone, a quarter of the time does.
+    fn slack_ramp(&self, number: usize) -> Nanoseconds {
+        if number == 0 { self.config.slack.ramp } else { self.config.slack.ramp / 4 }
+    }
+
+    pub(super) fn take_up_slack(&mut self, since: Nanoseconds, step: Option<SlackStep>) {
+        let Some(step) = step else { return self.await_drives(since) };
+        if let Some(fault) = self.loose_cable() {
+            return self.fail(fault);
+        }
+        let elapsed = self.time.saturating_sub(step.begun);
+        let Some(settling) = elapsed.checked_sub(self.slack_ramp(step.number)) else { return };
+        let disagreeing = (0..CABLES).find(|i| !self.cells[*i].agrees());
+        let calm = if disagreeing.is_none() { step.calm + 1 } else { 0 };
+        self.mode = Mode::TakingUpSlack { since, step: Some(SlackStep { calm, ..step }) };
+        if calm > self.config.cycles(self.config.limits.disagreement_time) {
+            self.end_slack_step(since, step.number);
+        } else if let (Some(i), true) = (disagreeing, settling > self.config.slack.ramp) {
+            let (measured, commanded) = (self.cells[i].tension(), self.told[i]);
+            self.fail(Fault::LoadCellDisagrees { cable: i + 1, measured, commanded });
+        }
+    }
+
+    fn await_drives(&mut self, since: Nanoseconds) {
+        let waiting = (0..CABLES).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
+        match waiting {
+            None => {
+                let step = Some(SlackStep { begun: self.time, ..SlackStep::default() });
+                self.mode = Mode::TakingUpSlack { since, step };
+            }
+            Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
+                self.fail_drive_stuck(i)
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn loose_cable(&self) -> Option<Fault> {
+        let moved = |i: usize| self.home_length[i] - self.drives[i].encoder.length;
+        let i = (0..CABLES).find(|i| moved(*i).abs() > self.config.slack.most)?;
+        Some(Fault::LooseCable { cable: i + 1, length: moved(i) })
+    }
+
+    fn end_slack_step(&mut self, since: Nanoseconds, number: usize) {
+        if number < LAST {
+            let step = Some(SlackStep { number: number + 1, begun: self.time, calm: 0 });
+            self.mode = Mode::TakingUpSlack { since, step };
+        } else {
+            // Only now the cables are taut, and as long as they are at the home pose.
+            self.take_references();
+            self.enter(Mode::Ready);
+        }
+    }
+}

@@ -1,0 +1,403 @@
+//! Setting up one node: its boot-up, then one object after the other, each read back.
+
+use super::fault::Fault;
+use crate::Nanoseconds;
+use crate::canopen::{
+    Direction, NmtCommand, NmtState, Node, Object, SdoRequest, SdoResponse, SdoResult, TPDO1, Value, Width,
+    object,
+};
+use crate::cia402::{
+    CONTROL_WORD, CYCLIC_TORQUE, DRIVE_PROFILE, MAX_TORQUE, MODE, MODE_DISPLAY, POSITION, STATUS_WORD,
+    TARGET_TORQUE, TORQUE,
+};
+use crate::config::{Action, Config, Setting, Timeouts};
+use crate::frame::Frame;
+
+/// How often an unanswered question is asked.
+const TRIES: u32 = 3;
+
+/// What is done with one object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    object: Object,
+    value: Value,
+    /// Bits that must agree when it is read.
+    mask: u32,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Write,
+    Check,
+    /// Read until it is so.
+    Await,
+}
+
+/// Where the node is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    /// Reset, no boot-up message yet.
+    Booting,
+    Writing,
+    Reading,
+    /// Told to start, no heartbeat of Operational yet.
+    Starting,
+    Done,
+}
+
+/// One node on its way to Operational.
+#[derive(Clone, Debug)]
+pub(super) struct Startup {
+    node: Node,
+    script: Vec<Step>,
+    phase: Phase,
+    at: usize,
+    /// When the question that is open was asked, and how often.
+    asked: Option<Nanoseconds>,
+    tries: u32,
+    /// When the phase began, or the first reading of what is awaited.
+    since: Nanoseconds,
+}
+
+impl Startup {
+    /// Of a drive.
+    pub fn drive(config: &Config, cable: usize) -> Self {
+        let drive = &config.drives[cable];
+        let watchdog = milliseconds(config.heartbeat.drive_watchdog);
+        let mut script =
+            vec![Step { mask: 0xFFFF, ..check(Object::new(0x1000, 0), Value::u32(DRIVE_PROFILE.into())) }];
+        script.push(write(object::consume_heartbeat(config.node, watchdog)));
+        script.push(write(object::produce_heartbeat(milliseconds(config.heartbeat.period))));
+        let receive = torque_mapping(config, cable);
+        let transmit = [(STATUS_WORD, Width::Bits16), (POSITION, Width::Bits32), (TORQUE, Width::Bits16)];
+        script.extend(
+            object::map_pdo(Direction::Receive, drive.torque_frame.id, &receive).into_iter().map(write),
+        );
+        let id = TPDO1 + u16::from(drive.node);
+        script.extend(object::map_pdo(Direction::Transmit, id, &transmit).into_iter().map(write));
+        script.push(write((MAX_TORQUE, Value::u16(drive.winch.permille_limit()))));
+        script.extend(config.drive_objects.iter().map(setting));
+        script.push(write((MODE, Value::u8(CYCLIC_TORQUE))));
+        script.push(Step { kind: Kind::Await, ..check(MODE_DISPLAY, Value::u8(CYCLIC_TORQUE)) });
+        Self::new(drive.node, script)
+    }
+
+    /// Of the node of a load cell, with all of its cells.
+    pub fn load_cell(config: &Config, node: Node) -> Self {
+        let cells = config.load_cells.iter().filter(|cell| cell.node == node);
+        let entries: Vec<_> = cells.map(|cell| (cell.cell.object, cell.cell.encoding.width())).collect();
+        let mut script = vec![write(object::produce_heartbeat(milliseconds(config.heartbeat.period)))];
+        let id = TPDO1 + u16::from(node);
+        script.extend(object::map_pdo(Direction::Transmit, id, &entries).into_iter().map(write));
+        script.extend(config.load_cell_objects.iter().map(setting));
+        Self::new(node, script)
+    }
+
+    fn new(node: Node, script: Vec<Step>) -> Self {
+        Self { node, script, phase: Phase::Booting, at: 0, asked: None, tries: 0, since: 0 }
+    }
+
+    /// From the beginning.
+    pub fn restart(&mut self, now: Nanoseconds) {
+        self.enter(Phase::Booting, now);
+        self.at = 0;
+    }
+
+    /// Operational, as set up.
+    pub fn is_done(&self) -> bool {
+        self.phase == Phase::Done
+    }
+
+    fn enter(&mut self, phase: Phase, now: Nanoseconds) {
+        (self.phase, self.asked, self.tries, self.since) = (phase, None, 0, now);
+    }
+
+    /// What to send now, if anything.
+    pub fn next(&mut self, now: Nanoseconds, timeouts: &Timeouts) -> Result<Option<Frame>, Fault> {
+        match self.phase {
+            Phase::Done => Ok(None),
+            Phase::Booting => self.command(NmtCommand::ResetCommunication, now, timeouts),
+            Phase::Starting => self.command(NmtCommand::Start, now, timeouts),
+            Phase::Writing | Phase::Reading => self.ask(now, timeouts),
+        }
+    }
+
+    /// A command whose effect is seen in a heartbeat; given again at each third of the time allowed.
+    fn command(
+        &mut self,
+        command: NmtCommand,
+        now: Nanoseconds,
+        timeouts: &Timeouts,
+    ) -> Result<Option<Frame>, Fault> {
+        if now.saturating_sub(self.since) > timeouts.boot {
+            let node = self.node;
+            return Err(match command {
+                NmtCommand::Start => Fault::NotOperational { node, state: NmtState::PreOperational },
+                _ => Fault::NoBoot { node },
+            });
+        }
+        let again = self.asked.is_none_or(|asked| now.saturating_sub(asked) > timeouts.boot / 3);
+        Ok(again.then(|| {
+            self.asked = Some(now);
+            command.frame(Some(self.node))
+        }))
+    }
+
+    fn ask(&mut self, now: Nanoseconds, timeouts: &Timeouts) -> Result<Option<Frame>, Fault> {
+        let Step { object, value, .. } = self.script[self.at];
+        if let Some(asked) = self.asked {
+            if now.saturating_sub(asked) <= timeouts.service {
+                return Ok(None);
+            }
+            if self.tries == TRIES {
+                return Err(Fault::NoAnswer { node: self.node, object });
+            }
+        }
+        self.asked = Some(now);
+        self.tries += 1;
+        let request = if self.phase == Phase::Writing {
+            SdoRequest::Write(object, value)
+        } else {
+            SdoRequest::Read(object)
+        };
+        Ok(Some(request.frame(self.node)))
+    }
+
+    /// Takes in a heartbeat.
+    pub fn on_heartbeat(&mut self, state: NmtState, now: Nanoseconds) -> Result<(), Fault> {
+        match (self.phase, state) {
+            (Phase::Booting, NmtState::BootUp) if self.asked.is_some() => {
+                self.begin_step(now);
+                Ok(())
+            }
+            (Phase::Starting, NmtState::Operational) => {
+                self.enter(Phase::Done, now);
+                Ok(())
+            }
+            (Phase::Booting, _)
+            | (_, NmtState::PreOperational | NmtState::Stopped | NmtState::Operational) => Ok(()),
+            (_, NmtState::BootUp) => Err(Fault::Rebooted { node: self.node }),
+        }
+    }
+
+    fn begin_step(&mut self, now: Nanoseconds) {
+        let phase = match self.script.get(self.at).map(|step| step.kind) {
+            None => Phase::Starting,
+            Some(Kind::Write) => Phase::Writing,
+            Some(Kind::Check | Kind::Await) => Phase::Reading,
+        };
+        self.enter(phase, now);
+    }
+
+    /// Takes in an answer. One to an older question is passed over.
+    pub fn on_response(
+        &mut self,
+        response: &SdoResponse,
+        now: Nanoseconds,
+        timeouts: &Timeouts,
+    ) -> Result<(), Fault> {
+        let Some(step) = self.script.get(self.at).copied() else { return Ok(()) };
+        if self.asked.is_none() || response.object != step.object {
+            return Ok(());
+        }
+        match (self.phase, response.result) {
+            (Phase::Writing | Phase::Reading, SdoResult::Aborted(code)) => {
+                Err(Fault::Refused { node: self.node, object: step.object, code })
+            }
+            (Phase::Writing, SdoResult::Written) => {
+                self.enter(Phase::Reading, now);
+                Ok(())
+            }
+            (Phase::Reading, SdoResult::Value(found)) => self.compare(&step, found.bits, now, timeouts),
+            _ => Ok(()),
+        }
+    }
+
+    fn compare(
+        &mut self,
+        step: &Step,
+        found: u32,
+        now: Nanoseconds,
+        timeouts: &Timeouts,
+    ) -> Result<(), Fault> {
+        let expected = step.value.bits;
+        if (found ^ expected) & step.mask == 0 {
+            self.at += 1;
+            self.begin_step(now);
+            return Ok(());
+        }
+        match step.kind {
+            Kind::Await if now.saturating_sub(self.since) <= timeouts.drive => {
+                (self.asked, self.tries) = (None, 0);
+                Ok(())
+            }
+            Kind::Await => Err(Fault::ModeRefused { node: self.node, found: found as i8 }),
+            Kind::Write | Kind::Check => {
+                Err(Fault::Different { node: self.node, object: step.object, expected, found })
+            }
+        }
+    }
+}
+
+/// Control word, then a torque for each slot: this drive's, or a dummy for another's.
+fn torque_mapping(config: &Config, cable: usize) -> Vec<(Object, Width)> {
+    let drive = &config.drives[cable];
+    let shared = |other: &&crate::config::Drive| {
+        other.bus == drive.bus && other.torque_frame.id == drive.torque_frame.id
+    };
+    let last = config.drives.iter().filter(shared).map(|other| other.torque_frame.slot).max().unwrap_or(0);
+    let mut entries = vec![(CONTROL_WORD, Width::Bits16)];
+    for slot in 0..=last {
+        let is_ours = slot == drive.torque_frame.slot;
+        entries.push(if is_ours { (TARGET_TORQUE, Width::Bits16) } else { object::DUMMY_16 });
+    }
+    entries
+}
+
+fn milliseconds(time: Nanoseconds) -> u16 {
+    u16::try_from(time / 1_000_000).unwrap_or(u16::MAX)
+}
+
+fn write((object, value): (Object, Value)) -> Step {
+    Step { object, value, mask: object::read_back_mask(object), kind: Kind::Write }
+}
+
+fn check(object: Object, value: Value) -> Step {
+    Step { object, value, mask: u32::MAX, kind: Kind::Check }
+}
+
+fn setting(setting: &Setting) -> Step {
+    match setting.action {
+        Action::Write => write((setting.object, setting.value)),
+        Action::Check => check(setting.object, setting.value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::tests::AKD;
+
+    const MS: u64 = 1_000_000;
+
+    fn startup() -> (Startup, Timeouts) {
+        let config = Config::parse(AKD).unwrap();
+        (Startup::drive(&config, 0), config.timeouts)
+    }
+
+    /// A node that stores what it is told, but for `answer`.
+    fn run(answer: impl Fn(SdoRequest) -> Option<SdoResult>) -> Result<(Vec<SdoRequest>, u64), Fault> {
+        let (mut startup, timeouts) = startup();
+        let (mut asked, mut stored) = (vec![], vec![(Object::new(0x1000, 0), Value::u32(0x0002_0192))]);
+        stored.push((Object::new(0x6076, 0), Value::u32(1000)));
+        for k in 0..100_000 {
+            let now = k * 4 * MS;
+            let Some(frame) = startup.next(now, &timeouts)? else {
+                if startup.is_done() {
+                    return Ok((asked, now));
+                }
+                continue;
+            };
+            match NmtCommand::parse(&frame) {
+                Some((NmtCommand::ResetCommunication, Some(1))) => {
+                    startup.on_heartbeat(NmtState::BootUp, now)?
+                }
+                Some((NmtCommand::Start, Some(1))) => startup.on_heartbeat(NmtState::Operational, now)?,
+                _ => {
+                    let (_, request) = SdoRequest::parse(&frame).unwrap();
+                    let request = request.unwrap();
+                    asked.push(request);
+                    let plain = match request {
+                        SdoRequest::Write(object, value) => {
+                            stored.retain(|(o, _)| *o != object);
+                            stored.push((object, value));
+                            if object == MODE {
+                                stored.push((MODE_DISPLAY, value));
+                            }
+                            Some(SdoResult::Written)
+                        }
+                        SdoRequest::Read(object) => {
+                            stored.iter().rev().find(|(o, _)| *o == object).map(|(_, v)| SdoResult::Value(*v))
+                        }
+                    };
+                    if let Some(result) = answer(request).or(plain) {
+                        startup.on_response(
+                            &SdoResponse { object: request.object(), result },
+                            now,
+                            &timeouts,
+                        )?;
+                    }
+                }
+            }
+        }
+        unreachable!("a fault ends every wait")
+    }
+
+    #[test]
+    fn a_drive_is_set_up_and_every_setting_is_read_back() {
+        let (asked, _) = run(|_| None).unwrap();
+        let writes: Vec<_> = asked.iter().filter(|r| matches!(r, SdoRequest::Write(..))).collect();
+        assert_eq!(writes.len(), 2 + 7 + 8 + 1 + 1 + 1);
+        for write in &writes {
+            let place = asked.iter().position(|r| r == *write).unwrap();
+            assert_eq!(asked[place + 1], SdoRequest::Read(write.object()));
+        }
+        assert_eq!(asked.last(), Some(&SdoRequest::Read(MODE_DISPLAY)));
+        assert!(writes.contains(&&SdoRequest::Write(Object::new(0x1400, 1), Value::u32(0x201))));
+    }
+
+    #[test]
+    fn refusals_differences_and_silence_end_it_with_their_object() {
+        let refused =
+            run(|r| (r.object() == MAX_TORQUE).then_some(SdoResult::Aborted(0x0609_0031))).unwrap_err();
+        assert_eq!(refused, Fault::Refused { node: 1, object: MAX_TORQUE, code: 0x0609_0031 });
+        let rated = Object::new(0x6076, 0);
+        let different =
+            run(|r| (r.object() == rated).then_some(SdoResult::Value(Value::u32(500)))).unwrap_err();
+        assert_eq!(different, Fault::Different { node: 1, object: rated, expected: 1000, found: 500 });
+        let written_only = run(|r| match r {
+            SdoRequest::Read(object) if object == MODE => Some(SdoResult::Value(Value::u8(8))),
+            _ => None,
+        });
+        assert!(matches!(written_only.unwrap_err(), Fault::Different { object: MODE, .. }));
+    }
+
+    #[test]
+    fn a_mode_that_is_not_shown_is_refused_after_its_time() {
+        let refused =
+            run(|r| (r == SdoRequest::Read(MODE_DISPLAY)).then_some(SdoResult::Value(Value::u8(8))));
+        assert_eq!(refused.unwrap_err(), Fault::ModeRefused { node: 1, found: 8 });
+    }
+
+    #[test]
+    fn an_answer_that_is_lost_twice_is_asked_for_again() {
+        let count = std::cell::Cell::new(0);
+        let (mut startup, timeouts) = startup();
+        startup.next(0, &timeouts).unwrap();
+        startup.on_heartbeat(NmtState::BootUp, 0).unwrap();
+        let mut now = 0;
+        let fault = loop {
+            now += 4 * MS;
+            match startup.next(now, &timeouts) {
+                Ok(Some(_)) => count.set(count.get() + 1),
+                Ok(None) => {}
+                Err(fault) => break fault,
+            }
+        };
+        assert_eq!((count.get(), fault), (3, Fault::NoAnswer { node: 1, object: Object::new(0x1000, 0) }));
+        assert!((1500 * MS..1700 * MS).contains(&now), "{now}");
+    }
+
+    #[test]
+    fn a_node_that_never_boots_or_boots_twice_is_a_fault() {
+        let (mut startup, timeouts) = startup();
+        let fault = (0..).find_map(|k| startup.next(k * 100 * MS, &timeouts).err()).unwrap();
+        assert_eq!(fault, Fault::NoBoot { node: 1 });
+        startup.restart(0);
+        startup.on_heartbeat(NmtState::BootUp, 0).unwrap();
+        startup.next(0, &timeouts).unwrap();
+        startup.on_heartbeat(NmtState::BootUp, 0).unwrap();
+        assert_eq!(startup.on_heartbeat(NmtState::BootUp, 1), Err(Fault::Rebooted { node: 1 }));
+    }
+}

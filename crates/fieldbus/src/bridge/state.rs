@@ -1,0 +1,196 @@
+//! What the bridge is doing, what an operator may ask, and what is remembered of both.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::fault::Fault;
+use crate::Nanoseconds;
+use crate::PerCable;
+use crate::canopen::Emergency;
+use crate::cia402::DriveState;
+use cable_robot::plan::ControllerOutputs;
+use cable_robot::robot::Pose;
+
+/// What the bridge is doing: docs/rig.md has the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Nodes are reset, set up and started.
+    Configuring,
+    /// Waiting for the operator to confirm that the platform stands at the home pose.
+    Homing,
+    /// Drives are enabled and make the cables taut.
+    TakingUpSlack,
+    /// Taut and plausible; waiting for the operator to enable the controller.
+    Ready,
+    /// The weight is taken off the stand, then the controller's tensions are commanded.
+    Enabled,
+    /// On the way to the safe output.
+    Stopping,
+    /// The safe output, after the operator let go.
+    Safe,
+    /// The safe output, after a fault.
+    Fault,
+    /// Drives off, for good.
+    Off,
+    /// Nothing is sent: what the controller would do is computed beside another that does it.
+    Shadow,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// What an operator may ask.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OperatorCommand {
+    /// The platform stands at the home pose, nobody is near the cables: take up the slack.
+    Home,
+    /// The controller may pull. To be given again within `timeouts.enable`, for as long as it may.
+    Enable,
+    /// No longer.
+    Release,
+    /// Where the platform shall go; in Enabled and Shadow only. What is enabled anew stays where it is.
+    Goal(Pose),
+    /// From Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
+    Reset,
+    /// To the safe output, then off.
+    Shutdown,
+}
+
+/// Why a command was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum Refusal {
+    /// Not now.
+    #[error("{command:?} is not possible in {state}")]
+    State {
+        /// What was asked.
+        command: OperatorCommand,
+        /// What the bridge is doing.
+        state: State,
+    },
+    /// Enable has been pressed since before it was possible.
+    #[error("enable is still pressed from before: release it first")]
+    StillPressed,
+    /// A goal is no pose.
+    #[error("the goal {0:?} is not finite")]
+    Goal(Pose),
+    /// Something is missing.
+    #[error("not yet: {0}")]
+    NotYet(Fault),
+}
+
+/// Why the controller's tensions ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause {
+    /// The operator let go.
+    Released,
+    /// The operator's enable was not given again in time.
+    EnableExpired,
+    /// The program ends.
+    Shutdown,
+    /// Something failed.
+    Fault(Fault),
+}
+
+/// Something to log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A new state.
+    Entered(State),
+    /// The controller's tensions ended.
+    Stopped(Cause),
+    /// A fault, also one that came after the first.
+    Fault(Fault),
+    /// A node's emergency message, also one that says that an error is gone.
+    Emergency(Emergency),
+    /// So many emergency messages came at once that these were lost.
+    Lost(u64),
+}
+
+const EVENTS: usize = 128;
+/// So many of them may be emergency messages. Of states and faults a cycle has fewer than the rest.
+const EMERGENCIES: usize = 64;
+
+/// The latest events that nobody has taken yet. A burst of emergency messages takes no room from states and faults: what is too much
+/// is lost, and counted.
+#[derive(Clone, Debug)]
+pub(super) struct EventLog {
+    events: [Option<(Nanoseconds, Event)>; EVENTS],
+    first: usize,
+    length: usize,
+    lost: u64,
+}
+
+impl EventLog {
+    pub fn new() -> Self {
+        Self { events: [None; EVENTS], first: 0, length: 0, lost: 0 }
+    }
+
+    pub fn push(&mut self, now: Nanoseconds, event: Event) {
+        let room = if matches!(event, Event::Emergency(_)) { EMERGENCIES } else { EVENTS };
+        if self.length >= room {
+            self.lost += 1;
+            return;
+        }
+        self.events[(self.first + self.length) % EVENTS] = Some((now, event));
+        self.length += 1;
+    }
+
+    /// The oldest; after the last one, at `now`, how many were lost.
+    pub fn pop(&mut self, now: Nanoseconds) -> Option<(Nanoseconds, Event)> {
+        let Some(event) = self.events[self.first].take() else {
+            let lost = std::mem::take(&mut self.lost);
+            return (lost > 0).then_some((now, Event::Lost(lost)));
+        };
+        (self.first, self.length) = ((self.first + 1) % EVENTS, self.length - 1);
+        Some(event)
+    }
+}
+
+/// One cycle as it is logged and shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleReport {
+    /// When it began.
+    pub time: Nanoseconds,
+    /// What the bridge is doing.
+    pub state: State,
+    /// The first fault since the last reset.
+    pub fault: Option<Fault>,
+    /// m.
+    pub length: PerCable<f64>,
+    /// Of these lengths.
+    pub pose: Pose,
+    /// Load cells, N.
+    pub measured: PerCable<f64>,
+    /// What the motors are told from now on, N.
+    pub tension: PerCable<f64>,
+    /// The same as it is sent, ‰ of the rated torques.
+    pub target_torque: PerCable<i16>,
+    /// As last heard.
+    pub drive: PerCable<Option<DriveState>>,
+    /// Cycles since each encoder, and each load cell, was last heard.
+    pub missed: PerCable<[u32; 2]>,
+    /// What the controller answered in this cycle, if it was asked.
+    pub controller: Option<ControllerOutputs>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_burst_of_emergency_messages_hides_no_state() {
+        let mut log = EventLog::new();
+        let emergency = Emergency { node: 3, code: 0x8130, register: 0, maker: [0; 5] };
+        (0..70).for_each(|k| log.push(k, Event::Emergency(emergency)));
+        log.push(70, Event::Entered(State::Stopping));
+        let events: Vec<_> = std::iter::from_fn(|| log.pop(71)).collect();
+        assert_eq!(events.len(), 64 + 2);
+        assert_eq!(events[64..], [(70, Event::Entered(State::Stopping)), (71, Event::Lost(6))]);
+        log.push(99, Event::Entered(State::Off));
+        assert_eq!((log.pop(99).unwrap().0, log.pop(99)), (99, None));
+    }
+}

@@ -1,0 +1,146 @@
+//! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
+
+use super::{Bridge, Fault, Mode};
+use crate::TensionController;
+use crate::cia402::DriveState;
+use crate::{CABLES, PerCable};
+use cable_robot::plan::{ControllerInputs, Status};
+use cable_robot::robot::forward_kinematics;
+
+impl Bridge {
+    /// Encoders and load cells of this cycle.
+    pub(super) fn measure(&mut self) {
+        let Self { config, time, told, .. } = &*self;
+        let (mut limits, time, told) = (config.limits, *time, *told);
+        let patience = self.config.cycles(limits.disagreement_time);
+        // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
+        let has_torque = self.is_pulling();
+        if !has_torque {
+            limits.freeze_speed = f64::INFINITY;
+        }
+        let is_compared =
+            self.is_pulling() && !matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. });
+        for i in 0..CABLES {
+            let winch = &self.config.drives[i].winch;
+            let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
+            let mut cell = self.cells[i].update(i + 1, &limits, told[i]);
+            if is_compared {
+                cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, told[i], patience));
+            }
+            if has_torque {
+                self.expect(encoder);
+                self.expect(cell);
+            }
+        }
+        if has_torque {
+            let frozen = self.compare_encoders(is_compared);
+            self.expect(frozen);
+        }
+        self.no_room = if self.had_no_room { self.no_room + 1 } else { 0 };
+        self.had_no_room = false;
+    }
+
+    /// An encoder that says the same to the last count while another cable moved by `freeze_travel` is frozen.
+    fn compare_encoders(&mut self, is_compared: bool) -> Result<(), Fault> {
+        let lengths = self.lengths();
+        for i in 0..CABLES {
+            let encoder = &mut self.drives[i].encoder;
+            if encoder.has_changed || !is_compared {
+                self.still_since[i] = lengths;
+            }
+            let moved = |j: usize| (lengths[j] - self.still_since[i][j]).abs();
+            if (0..CABLES).any(|j| moved(j) > self.config.limits.freeze_travel) {
+                encoder.has_failed = true;
+                return Err(Fault::EncoderFrozen { cable: i + 1 });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn watch_nodes(&mut self) {
+        if !(self.is_active() || matches!(self.mode, Mode::Homing { .. })) {
+            return;
+        }
+        let (time, timeout) = (self.time, self.config.heartbeat.timeout);
+        for peer in self.peers.iter().filter(|peer| time.saturating_sub(peer.heard) > timeout) {
+            self.pending.insert(Fault::HeartbeatLost { node: peer.node });
+        }
+    }
+
+    pub(super) fn watch_drives(&mut self) {
+        if !self.is_pulling() {
+            return;
+        }
+        for i in 0..CABLES {
+            let node = self.config.drives[i].node;
+            match self.drives[i].state {
+                Some(DriveState::OperationEnabled) | None => {}
+                Some(state) if state.is_faulted() => self.raise(Fault::DriveFault { node, state }),
+                Some(state) => self.raise(Fault::DriveLeft { node, state }),
+            }
+        }
+    }
+
+    /// The pose of the lengths, from Ready on.
+    pub(super) fn follow_pose(&mut self) {
+        let is_followed = match self.mode {
+            Mode::TakingUpSlack { .. } => false,
+            Mode::Shadow { is_homed } => is_homed,
+            _ => self.is_pulling(),
+        };
+        if !self.pending.is_empty() || !is_followed {
+            return;
+        }
+        match forward_kinematics(&self.rig, &self.lengths(), &self.pose) {
+            Ok(found) => {
+                let angle = found.pose.angles().amax();
+                if angle <= self.config.limits.tilt {
+                    self.pose = found.pose;
+                } else {
+                    self.raise(Fault::Tilted { angle });
+                }
+            }
+            Err(_) => self.raise(Fault::NoPose),
+        }
+    }
+
+    pub(super) fn lengths(&self) -> PerCable<f64> {
+        self.drives.map(|drive| drive.encoder.length)
+    }
+
+    /// Steps the controller, which only follows until the weight is its own.
+    pub(super) fn ask(&mut self, controller: &mut dyn TensionController) {
+        let enable = match self.mode {
+            Mode::Enabled { since, .. } => self.time.saturating_sub(since) >= self.config.safe.ramp,
+            Mode::Shadow { .. } => true,
+            _ => false,
+        };
+        let inputs = ControllerInputs {
+            encoder_pose: self.pose,
+            cable_length: self.lengths().into(),
+            // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
+            measured_tension: match self.mode {
+                Mode::Shadow { .. } => self.told.into(),
+                _ => self.cells.map(|cell| cell.tension()).into(),
+            },
+            goal_pose: if enable { self.goal } else { self.pose },
+            enable,
+        };
+        let Ok(outputs) = controller.step(self.time as f64 * 1e-9, &inputs) else {
+            return self.raise(Fault::ControllerFailed);
+        };
+        self.answer = Some(outputs);
+        let most = self.config.controller.max_tension * (1.0 + 1e-9);
+        // NaN is in no range.
+        let wrong = outputs.motor_tension.iter().position(|tension| !(0.0..=most).contains(tension));
+        match wrong {
+            Some(i) => {
+                self.raise(Fault::ControllerOutput { cable: i + 1, tension: outputs.motor_tension[i] })
+            }
+            None if enable && outputs.status == Status::SensorFault => {
+                self.raise(Fault::ControllerSensorFault)
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,437 @@
+//! The file as it is written, and the way from there to a [`Config`].
+
+mod together;
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::check::Check;
+use super::{
+    Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, Limits, Parameter, Safe,
+    SafeOutput, Setting, Slack, Timeouts, TorqueFrame,
+};
+use crate::canopen::{self, Node, Object, Value, Width};
+use crate::cia402::Winch;
+use crate::load_cell::{Encoding, LoadCell};
+use crate::{CABLES, PerCable};
+use cable_robot::robot::{Coordinates, Pose, RobotParameters};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    rate: Spanned<f64>,
+    largest_load: Spanned<f64>,
+    node: Spanned<u32>,
+    home: Spanned<[f64; 6]>,
+    buses: Spanned<Vec<BusEntry>>,
+    heartbeat: HeartbeatEntry,
+    timeouts: TimeoutEntry,
+    slack: SlackEntry,
+    limits: LimitEntry,
+    safe: SafeEntry,
+    controller: ControllerEntry,
+    #[serde(default)]
+    drive_objects: Vec<ObjectEntry>,
+    drives: Spanned<Vec<DriveEntry>>,
+    #[serde(default)]
+    load_cell_objects: Vec<ObjectEntry>,
+    load_cells: Spanned<Vec<CellEntry>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BusEntry {
+    name: Spanned<String>,
+    bit_rate: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeartbeatEntry {
+    period: Spanned<f64>,
+    timeout: Spanned<f64>,
+    drive_watchdog: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TimeoutEntry {
+    boot: Spanned<f64>,
+    service: Spanned<f64>,
+    drive: Spanned<f64>,
+    enable: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SlackEntry {
+    pretension: Spanned<f64>,
+    ramp: Spanned<f64>,
+    most: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitEntry {
+    lost_cycles: Spanned<u32>,
+    cable_speed: Spanned<f64>,
+    freeze_speed: Spanned<f64>,
+    freeze_travel: Spanned<f64>,
+    tilt: Spanned<f64>,
+    disagreement: Spanned<f64>,
+    disagreement_time: Spanned<f64>,
+    stuck: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SafeEntry {
+    output: SafeOutput,
+    ramp: Spanned<f64>,
+    stiffness: Spanned<f64>,
+    damping: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ControllerEntry {
+    fmu: String,
+    #[serde(default)]
+    parameters: BTreeMap<String, Spanned<Parameter>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObjectEntry {
+    index: Spanned<u32>,
+    subindex: Spanned<u32>,
+    bytes: Spanned<u8>,
+    value: Spanned<i64>,
+    action: Action,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveEntry {
+    bus: Spanned<String>,
+    node: Spanned<u32>,
+    gear: Spanned<f64>,
+    pulley_radius: Spanned<f64>,
+    rated_torque: Spanned<f64>,
+    torque_limit: Spanned<f64>,
+    counts_per_turn: Spanned<f64>,
+    direction: Spanned<f64>,
+    torque_frame: Option<FrameEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrameEntry {
+    id: Spanned<u32>,
+    slot: Spanned<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CellEntry {
+    bus: Spanned<String>,
+    node: Spanned<u32>,
+    index: Spanned<u32>,
+    subindex: Spanned<u32>,
+    encoding: Encoding,
+    scale: Spanned<f64>,
+    offset: Spanned<f64>,
+    range: Spanned<[f64; 2]>,
+}
+
+/// Lengths and forces from here to there are believable for a rig: wide, but they catch units that were mixed up.
+const SMALL: f64 = 1e-6;
+const LARGE: f64 = 1e6;
+
+pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
+    let file: File = toml::from_str(text)?;
+    let check = Check { text };
+    let rate = check.within(&file.rate, "rate", 1.0..=2000.0, "Hz")?;
+    let buses = buses(&check, &file)?;
+    let controller = controller(&check, &file.controller)?;
+    let config = Config {
+        period: (1e9 / rate).round() as u64,
+        largest_load: check.within(&file.largest_load, "largest_load", 0.01..=1.0, "")?,
+        node: check.within(&file.node, "node", 1..=127, "")? as Node,
+        heartbeat: heartbeat(&check, &file.heartbeat)?,
+        timeouts: timeouts(&check, &file.timeouts)?,
+        drives: drives(&check, &file, &buses)?,
+        drive_objects: settings(&check, &file.drive_objects, "drive_objects")?,
+        load_cells: load_cells(&check, &file, &buses)?,
+        load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
+        home: home(&check, &file.home)?,
+        slack: slack(&check, &file.slack)?,
+        limits: limits(&check, &file.limits)?,
+        safe: Safe {
+            output: file.safe.output,
+            ramp: check.time(&file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
+            stiffness: check.within(&file.safe.stiffness, "safe.stiffness", 0.0..=LARGE, "N/m")?,
+            damping: check.within(&file.safe.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
+        },
+        controller,
+        name: file.name.clone(),
+        buses,
+    };
+    together::check(&check, &file, &config)?;
+    Ok(config)
+}
+
+fn buses(check: &Check, file: &File) -> Result<Vec<Bus>, ConfigError> {
+    let entries = file.buses.get_ref();
+    if !(1..=4).contains(&entries.len()) {
+        let offset = file.buses.span().start;
+        return Err(check.refuse(offset, "number of [[buses]]", entries.len(), "must be from 1 to 4"));
+    }
+    let bus = |(k, entry): (usize, &BusEntry)| {
+        let field = format!("buses[{}].bit_rate", k + 1);
+        let bit_rate = check.within(&entry.bit_rate, &field, 1e4..=1e6, "bit/s")?;
+        Ok(Bus { name: entry.name.get_ref().clone(), bit_rate })
+    };
+    entries.iter().enumerate().map(bus).collect()
+}
+
+fn heartbeat(check: &Check, entry: &HeartbeatEntry) -> Result<Heartbeat, ConfigError> {
+    let period = check.within(&entry.period, "heartbeat.period", 0.005..=10.0, "s")?;
+    let longer = 2.0 * period..=60.0;
+    Ok(Heartbeat {
+        period: check.time(&entry.period, "heartbeat.period", 0.005..=10.0)?,
+        timeout: check.time(&entry.timeout, "heartbeat.timeout", longer.clone())?,
+        drive_watchdog: check.time(&entry.drive_watchdog, "heartbeat.drive_watchdog", longer)?,
+    })
+}
+
+fn timeouts(check: &Check, entry: &TimeoutEntry) -> Result<Timeouts, ConfigError> {
+    Ok(Timeouts {
+        boot: check.time(&entry.boot, "timeouts.boot", 0.1..=120.0)?,
+        service: check.time(&entry.service, "timeouts.service", 0.01..=10.0)?,
+        drive: check.time(&entry.drive, "timeouts.drive", 0.1..=60.0)?,
+        enable: check.time(&entry.enable, "timeouts.enable", 0.02..=5.0)?,
+    })
+}
+
+fn slack(check: &Check, entry: &SlackEntry) -> Result<Slack, ConfigError> {
+    Ok(Slack {
+        pretension: check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?,
+        ramp: check.time(&entry.ramp, "slack.ramp", 0.01..=60.0)?,
+        most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
+    })
+}
+
+fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
+    let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
+    Ok(Limits {
+        lost_cycles: check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=100, "cycles")?,
+        cable_speed: number(&entry.cable_speed, "cable_speed", 0.01..=100.0, "m/s")?,
+        freeze_speed: number(&entry.freeze_speed, "freeze_speed", 1e-4..=100.0, "m/s")?,
+        freeze_travel: number(&entry.freeze_travel, "freeze_travel", 1e-4..=1.0, "m")?,
+        tilt: number(&entry.tilt, "tilt", 0.01..=1.4, "rad")?,
+        disagreement: number(&entry.disagreement, "disagreement", 0.01..=LARGE, "N")?,
+        disagreement_time: check.time(&entry.disagreement_time, "limits.disagreement_time", 0.0..=10.0)?,
+        stuck: number(&entry.stuck, "stuck", 0.01..=LARGE, "N")?,
+    })
+}
+
+fn home(check: &Check, home: &Spanned<[f64; 6]>) -> Result<Pose, ConfigError> {
+    let (names, offset) = (["x", "y", "z", "roll", "pitch", "yaw"], home.span().start);
+    for (k, value) in home.get_ref().iter().enumerate() {
+        if !value.is_finite() {
+            let field = format!("home[{}] ({})", k + 1, names[k]);
+            return Err(check.refuse(offset, &field, value, "must be finite (m, rad)"));
+        }
+    }
+    let pose = Pose(Coordinates::from(*home.get_ref()));
+    if pose.0[2] <= 0.0 {
+        return Err(check.refuse(
+            offset,
+            "home[3] (z)",
+            pose.0[2],
+            "must be below the base, greater than 0 m",
+        ));
+    }
+    Ok(pose)
+}
+
+fn controller(check: &Check, entry: &ControllerEntry) -> Result<ControllerConfig, ConfigError> {
+    let mut robot = RobotParameters::default();
+    let mut max_tension = 100.0;
+    for (name, value) in &entry.parameters {
+        let place = match name.as_str() {
+            "a" => &mut robot.a,
+            "b" => &mut robot.b,
+            "m" => &mut robot.m,
+            "I1" => &mut robot.i1,
+            "I2" => &mut robot.i2,
+            "I3" => &mut robot.i3,
+            "g" => &mut robot.g,
+            "maxTension" => &mut max_tension,
+            _ => continue,
+        };
+        let field = format!("controller.parameters.{name}");
+        match value.get_ref() {
+            Parameter::Number(number) if *number > 0.0 && number.is_finite() => *place = *number,
+            other => {
+                let allowed = "must be a finite number greater than 0";
+                return Err(check.refuse(value.span().start, &field, format!("{other:?}"), allowed));
+            }
+        }
+    }
+    robot.validate().map_err(|error| {
+        let offset = entry.parameters.get(&*error.name).map_or(0, |value| value.span().start);
+        check.refuse(offset, &format!("controller.parameters.{}", error.name), error.value, error.allowed)
+    })?;
+    let parameters =
+        entry.parameters.iter().map(|(name, value)| (name.clone(), value.get_ref().clone())).collect();
+    Ok(ControllerConfig { fmu: entry.fmu.clone(), parameters, robot, max_tension })
+}
+
+fn object(
+    check: &Check,
+    field: &str,
+    index: &Spanned<u32>,
+    subindex: &Spanned<u32>,
+) -> Result<Object, ConfigError> {
+    let index = check.within(index, &format!("{field}.index"), 0x1000..=0xFFFF, "(0x1000 to 0xFFFF)")?;
+    let subindex = check.within(subindex, &format!("{field}.subindex"), 0..=255, "")?;
+    Ok(Object::new(index as u16, subindex as u8))
+}
+
+fn settings(check: &Check, entries: &[ObjectEntry], table: &str) -> Result<Vec<Setting>, ConfigError> {
+    let setting = |(k, entry): (usize, &ObjectEntry)| {
+        let field = format!("{table}[{}]", k + 1);
+        let bytes = check.within(&entry.bytes, &format!("{field}.bytes"), 1..=4, "")?;
+        let width = Width::of_bytes(bytes).unwrap_or(Width::Bits32);
+        let end = 1i64 << (8 * bytes);
+        let value = check.within(&entry.value, &format!("{field}.value"), -end / 2..=end - 1, "")?;
+        let bits = (value & (end - 1)) as u32;
+        let object = object(check, &field, &entry.index, &entry.subindex)?;
+        Ok(Setting { object, value: Value { bits, width }, action: entry.action })
+    };
+    entries.iter().enumerate().map(setting).collect()
+}
+
+/// Six entries, or an error that says how many there are.
+fn six<T>(check: &Check, entries: &Spanned<Vec<T>>, table: &str) -> Result<(), ConfigError> {
+    let count = entries.get_ref().len();
+    let refusal = || {
+        check.refuse(
+            entries.span().start,
+            &format!("number of [[{table}]]"),
+            count,
+            "must be 6, one a cable, in the order of the cables",
+        )
+    };
+    if count == CABLES { Ok(()) } else { Err(refusal()) }
+}
+
+/// `of` each cable, or the first error.
+fn per_cable<T>(of: impl Fn(usize) -> Result<T, ConfigError>) -> Result<PerCable<T>, ConfigError> {
+    Ok([of(0)?, of(1)?, of(2)?, of(3)?, of(4)?, of(5)?])
+}
+
+fn drives(check: &Check, file: &File, buses: &[Bus]) -> Result<PerCable<Drive>, ConfigError> {
+    six(check, &file.drives, "drives")?;
+    let entries = file.drives.get_ref();
+    let drives = per_cable(|i| drive(check, &entries[i], i, buses))?;
+    for i in 0..CABLES {
+        let clash =
+            |j: &usize| (drives[*j].bus, drives[*j].torque_frame) == (drives[i].bus, drives[i].torque_frame);
+        if let Some(j) = (0..i).find(clash) {
+            let offset = entries[i]
+                .torque_frame
+                .as_ref()
+                .map_or(entries[i].node.span().start, |f| f.slot.span().start);
+            let field = format!("drives[{}].torque_frame", i + 1);
+            let value =
+                format!("0x{:03X}, slot {}", drives[i].torque_frame.id, drives[i].torque_frame.slot + 1);
+            return Err(check.refuse(
+                offset,
+                &field,
+                value,
+                format!("drives[{}] has this place already", j + 1),
+            ));
+        }
+    }
+    Ok(drives)
+}
+
+fn drive(check: &Check, entry: &DriveEntry, i: usize, buses: &[Bus]) -> Result<Drive, ConfigError> {
+    let field = |name: &str| format!("drives[{}].{name}", i + 1);
+    let number = |value, name: &str, range, unit| check.within(value, &field(name), range, unit);
+    let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
+    let torque_frame = match &entry.torque_frame {
+        None => TorqueFrame { id: canopen::RPDO1 + u16::from(node), slot: 0 },
+        Some(frame) => TorqueFrame {
+            id: check.within(&frame.id, &field("torque_frame.id"), 0x201..=0x57F, "(0x201 to 0x57F)")? as u16,
+            slot: check.within(&frame.slot, &field("torque_frame.slot"), 1..=3, "")? as usize - 1,
+        },
+    };
+    let direction = number(&entry.direction, "direction", -1.0..=1.0, "")?;
+    if direction.abs() != 1.0 {
+        let allowed = "must be 1 (positive counts haul the cable in) or -1";
+        return Err(check.refuse(entry.direction.span().start, &field("direction"), direction, allowed));
+    }
+    let rated_torque = number(&entry.rated_torque, "rated_torque", SMALL..=LARGE, "N m")?;
+    let winch = Winch {
+        gear: number(&entry.gear, "gear", 1e-3..=1e4, "")?,
+        pulley_radius: number(&entry.pulley_radius, "pulley_radius", 1e-3..=1.0, "m")?,
+        rated_torque,
+        torque_limit: number(
+            &entry.torque_limit,
+            "torque_limit",
+            0.01 * rated_torque..=30.0 * rated_torque,
+            "N m",
+        )?,
+        counts_per_turn: number(&entry.counts_per_turn, "counts_per_turn", 16.0..=4_294_967_296.0, "")?,
+        direction,
+    };
+    Ok(Drive { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, torque_frame, winch })
+}
+
+fn load_cells(check: &Check, file: &File, buses: &[Bus]) -> Result<PerCable<Cell>, ConfigError> {
+    six(check, &file.load_cells, "load_cells")?;
+    let entries = file.load_cells.get_ref();
+    let mut cells = per_cable(|i| load_cell(check, &entries[i], i, buses))?;
+    for i in 0..CABLES {
+        let before = cells[..i].iter().filter(|other| other.node == cells[i].node);
+        let byte = before.map(|other| other.cell.encoding.width().bytes()).sum::<usize>();
+        if byte + cells[i].cell.encoding.width().bytes() > 8 {
+            let field = format!("load_cells[{}].node", i + 1);
+            let allowed = "the readings of one node must fit into a frame of 8 bytes";
+            return Err(check.refuse(entries[i].node.span().start, &field, cells[i].node, allowed));
+        }
+        cells[i].byte = byte;
+    }
+    Ok(cells)
+}
+
+fn load_cell(check: &Check, entry: &CellEntry, i: usize, buses: &[Bus]) -> Result<Cell, ConfigError> {
+    let field = |name: &str| format!("load_cells[{}].{name}", i + 1);
+    let (scale, offset) = (*entry.scale.get_ref(), *entry.offset.get_ref());
+    if !(scale.is_finite() && scale != 0.0) {
+        let allowed = "must be finite and not 0 (N a unit)";
+        return Err(check.refuse(entry.scale.span().start, &field("scale"), scale, allowed));
+    }
+    let [least, greatest] = *entry.range.get_ref();
+    if !(least.is_finite() && greatest.is_finite() && least < greatest) {
+        let value = format!("[{least}, {greatest}]");
+        let allowed = "must be two finite numbers, the least first (N)";
+        return Err(check.refuse(entry.range.span().start, &field("range"), value, allowed));
+    }
+    let cell = LoadCell {
+        object: object(check, &format!("load_cells[{}]", i + 1), &entry.index, &entry.subindex)?,
+        encoding: entry.encoding,
+        scale,
+        offset: check.within(&entry.offset, &field("offset"), -LARGE..=LARGE, "N").map(|_| offset)?,
+        range: [least, greatest],
+    };
+    let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
+    Ok(Cell { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, byte: 0, cell })
+}

@@ -1,0 +1,173 @@
+//! What makes sense only together with something else in the file.
+
+use toml::Spanned;
+
+use super::{DriveEntry, File};
+use crate::CABLES;
+use crate::canopen::{Node, Object};
+use crate::cia402::{CONTROL_WORD, MAX_TORQUE, MODE, TARGET_TORQUE};
+use crate::config::check::Check;
+use crate::config::{Config, ConfigError, Parameter};
+use cable_robot::control::static_tensions;
+
+/// Objects that the bridge sets itself; of the first ones every subindex.
+const OWN_INDICES: [u16; 6] = [0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00];
+const OWN_OBJECTS: [Object; 4] = [CONTROL_WORD, MODE, TARGET_TORQUE, MAX_TORQUE];
+
+/// Looks at all of it.
+pub(super) fn check(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    nodes_are_different(check, file, config)?;
+    buses_are_different(check, file)?;
+    readings_are_different(check, file, config)?;
+    objects_are_not_our_own(check, file, config)?;
+    motors_are_strong_enough(check, file, config)?;
+    home_is_held(check, file, config)?;
+    pretension_is_seen(check, file, config)?;
+    drives_are_patient(check, file, config)
+}
+
+/// No address twice, on whatever bus: faults name nodes.
+fn nodes_are_different(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let (drives, cells) = (file.drives.get_ref(), file.load_cells.get_ref());
+    let mut taken: Vec<(Node, String)> = vec![(config.node, "the bridge".to_owned())];
+    let mut claim =
+        |node: Node, span: &Spanned<u32>, field: String| match taken.iter().find(|(n, _)| *n == node) {
+            Some((_, other)) => {
+                let allowed = format!("{other} has this address already");
+                Err(check.refuse(span.span().start, &format!("{field}.node"), node, allowed))
+            }
+            None => {
+                taken.push((node, field));
+                Ok(())
+            }
+        };
+    for i in 0..CABLES {
+        claim(config.drives[i].node, &drives[i].node, format!("drives[{}]", i + 1))?;
+    }
+    for i in 0..CABLES {
+        let (node, bus) = (config.load_cells[i].node, config.load_cells[i].bus);
+        match config.load_cells[..i].iter().find(|other| other.node == node) {
+            Some(same) if same.bus == bus => {}
+            _ => claim(node, &cells[i].node, format!("load_cells[{}]", i + 1))?,
+        }
+    }
+    Ok(())
+}
+
+fn buses_are_different(check: &Check, file: &File) -> Result<(), ConfigError> {
+    let buses = file.buses.get_ref();
+    for (k, bus) in buses.iter().enumerate() {
+        if let Some(j) = buses[..k].iter().position(|other| other.name.get_ref() == bus.name.get_ref()) {
+            let field = format!("buses[{}].name", k + 1);
+            let allowed = format!("buses[{}] has this name already", j + 1);
+            return Err(check.refuse(bus.name.span().start, &field, bus.name.get_ref(), allowed));
+        }
+    }
+    Ok(())
+}
+
+fn readings_are_different(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let reading = |i: usize| (config.load_cells[i].node, config.load_cells[i].cell.object);
+    for i in 0..CABLES {
+        if let Some(j) = (0..i).find(|j| reading(*j) == reading(i)) {
+            let entry = &file.load_cells.get_ref()[i].index;
+            let allowed = format!("load_cells[{}] reads this object of node {} already", j + 1, reading(i).0);
+            let field = format!("load_cells[{}].index, subindex", i + 1);
+            return Err(check.refuse(entry.span().start, &field, reading(i).1, allowed));
+        }
+    }
+    Ok(())
+}
+
+fn objects_are_not_our_own(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let entries = file.drive_objects.iter().chain(&file.load_cell_objects);
+    let settings = config.drive_objects.iter().chain(&config.load_cell_objects);
+    for (entry, object) in entries.zip(settings.map(|setting| setting.object)) {
+        if OWN_INDICES.contains(&object.index) || OWN_OBJECTS.contains(&object) {
+            let allowed = "the bridge sets this object itself";
+            return Err(check.refuse(entry.index.span().start, "object", object, allowed));
+        }
+    }
+    Ok(())
+}
+
+/// A torque that is cut without a word is not what the controller reckons with.
+fn motors_are_strong_enough(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let most = config.controller.max_tension;
+    for (i, entry) in file.drives.get_ref().iter().enumerate() {
+        let DriveEntry { torque_limit, .. } = entry;
+        let winch = &config.drives[i].winch;
+        let needed = most * winch.pulley_radius / winch.gear;
+        if winch.torque_limit < needed {
+            let allowed = format!("must be at least {needed} N m for maxTension ({most} N)");
+            let field = format!("drives[{}].torque_limit", i + 1);
+            return Err(check.refuse(torque_limit.span().start, &field, winch.torque_limit, allowed));
+        }
+    }
+    Ok(())
+}
+
+fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let controller = &config.controller;
+    let least = match controller.parameters.get("minTension") {
+        Some(Parameter::Number(least)) => *least,
+        _ => 0.0,
+    };
+    let tensions = static_tensions(&controller.rig(), &config.home, 0.0);
+    let limits = least..=controller.max_tension;
+    if tensions.is_some_and(|tensions| tensions.iter().all(|tension| limits.contains(tension))) {
+        return Ok(());
+    }
+    let found = tensions.map_or("none".to_owned(), |tensions| format!("{tensions:.2?} N"));
+    let allowed = format!(
+        "must be a pose that cables hold with {least} to {} N each; it takes {found}",
+        controller.max_tension
+    );
+    let value = format!("{:?}", file.home.get_ref());
+    Err(check.refuse(file.home.span().start, "home", value, allowed))
+}
+
+/// By each load cell, and not by the stand.
+fn pretension_is_seen(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let (pretension, most) = (config.slack.pretension, greatest_pretension(config));
+    if pretension > most {
+        let allowed = format!(
+            "must be from 0.1 to {most:.3} N: one cable after the other pulls twice of it, and the platform must stay on its stand"
+        );
+        let offset = file.slack.pretension.span().start;
+        return Err(check.refuse(offset, "slack.pretension", pretension, allowed));
+    }
+    let disagreement = config.limits.disagreement;
+    if disagreement >= pretension {
+        let allowed = format!(
+            "must be less than slack.pretension ({pretension} N), or a dead load cell is not noticed"
+        );
+        let offset = file.limits.disagreement.span().start;
+        return Err(check.refuse(offset, "limits.disagreement", disagreement, allowed));
+    }
+    Ok(())
+}
+
+/// With twice of it in one cable, neither `maxTension` nor the platform's weight is reached. N.
+fn greatest_pretension(config: &Config) -> f64 {
+    let rig = config.controller.rig();
+    let lift = rig.cables_at(&config.home).direction.map(|direction| -direction.z);
+    let most = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
+    (0.5 * config.controller.max_tension).min(rig.weight() / most)
+}
+
+/// The bridge's heartbeat comes with a cycle, and after a pause that it rides through the drives must still be there.
+fn drives_are_patient(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let pause = config.period * u64::from(config.limits.lost_cycles + 1);
+    let needed = pause.max(2 * config.period).max(config.heartbeat.period);
+    if config.heartbeat.drive_watchdog > needed {
+        return Ok(());
+    }
+    let seconds = |time: u64| time as f64 * 1e-9;
+    let allowed = format!(
+        "must be longer than {} s: limits.lost_cycles + 1 (at least 2) cycles, which the bridge rides through",
+        seconds(needed)
+    );
+    let (offset, value) = (file.heartbeat.drive_watchdog.span().start, config.heartbeat.drive_watchdog);
+    Err(check.refuse(offset, "heartbeat.drive_watchdog", seconds(value), allowed))
+}

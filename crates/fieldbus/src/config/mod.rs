@@ -1,0 +1,419 @@
+//! The rig file of `can-bridge`: what is on which bus, how it scales, what is allowed, what to do when it fails.
+
+mod check;
+mod file;
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use super::Nanoseconds;
+use super::canopen::{Node, Object, Value};
+use super::cia402::Winch;
+use super::load_cell::LoadCell;
+use crate::PerCable;
+use cable_robot::robot::{Pose, Rig, RobotParameters, TensionLimits};
+
+/// Everything `can-bridge` is told of a rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// What people call it.
+    pub name: String,
+    /// Between two cycles, and two SYNCs.
+    pub period: Nanoseconds,
+    /// Share of each bus that the frames of a cycle may take.
+    pub largest_load: f64,
+    /// The buses; drives and load cells name theirs by its place here.
+    pub buses: Vec<Bus>,
+    /// The bridge's own address.
+    pub node: Node,
+    /// Who tells whom that he is alive.
+    pub heartbeat: Heartbeat,
+    /// How long the bridge waits.
+    pub timeouts: Timeouts,
+    /// One a cable.
+    pub drives: PerCable<Drive>,
+    /// Written to, or checked in, every drive before it is used.
+    pub drive_objects: Vec<Setting>,
+    /// One a cable.
+    pub load_cells: PerCable<Cell>,
+    /// The same for the nodes of the load cells.
+    pub load_cell_objects: Vec<Setting>,
+    /// Where the platform stands when the encoders are read for the first time.
+    pub home: Pose,
+    /// How slack is taken up.
+    pub slack: Slack,
+    /// What counts as a fault.
+    pub limits: Limits,
+    /// What to pull when something failed or the operator let go.
+    pub safe: Safe,
+    /// Who computes the tensions.
+    pub controller: ControllerConfig,
+}
+
+/// A CAN bus.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bus {
+    /// Such as `can0`.
+    pub name: String,
+    /// bit/s.
+    pub bit_rate: f64,
+}
+
+/// Who tells whom that he is alive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heartbeat {
+    /// Of the bridge and of every node (0x1017).
+    pub period: Nanoseconds,
+    /// A node silent for so long is lost to the bridge.
+    pub timeout: Nanoseconds,
+    /// The bridge silent for so long is lost to a drive (0x1016): what stops the robot after `kill -9`.
+    pub drive_watchdog: Nanoseconds,
+}
+
+/// How long the bridge waits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeouts {
+    /// From the reset of a node to its boot-up message.
+    pub boot: Nanoseconds,
+    /// For the answer to a service request; it is asked three times.
+    pub service: Nanoseconds,
+    /// For a drive to confirm its mode, or to follow its control word.
+    pub drive: Nanoseconds,
+    /// The operator's enable ends unless it is given again within this time.
+    pub enable: Nanoseconds,
+}
+
+/// A drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Place of its bus among [`Config::buses`].
+    pub bus: usize,
+    /// Its address.
+    pub node: Node,
+    /// The frame that brings its control word and target torque.
+    pub torque_frame: TorqueFrame,
+    /// Between its cable and its motor.
+    pub winch: Winch,
+}
+
+/// A frame with a control word and up to three target torques.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TorqueFrame {
+    /// Identifier.
+    pub id: u16,
+    /// Which of the torques is this drive's, from 0.
+    pub slot: usize,
+}
+
+/// A load cell and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Place of its bus among [`Config::buses`].
+    pub bus: usize,
+    /// Address of the node it hangs on; cells of one node share its first transmit PDO.
+    pub node: Node,
+    /// First byte of its reading there.
+    pub byte: usize,
+    /// What it says.
+    pub cell: LoadCell,
+}
+
+/// A value of a node's dictionary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Where.
+    pub object: Object,
+    /// What.
+    pub value: Value,
+    /// Whether it is written and read back, or only read and compared.
+    pub action: Action,
+}
+
+/// What is done with a [`Setting`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Action {
+    /// Write it, read it back.
+    Write,
+    /// It must already be so.
+    Check,
+}
+
+/// How slack is taken up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slack {
+    /// Tension that makes every cable taut while the platform stands on its stand, N. Twice of it tells which load cell is whose.
+    pub pretension: f64,
+    /// Time of the ramp to it (a quarter for each further step), and then again for the load cells to settle.
+    pub ramp: Nanoseconds,
+    /// More cable than this is not slack: it is loose, or off its pulley. m.
+    pub most: f64,
+}
+
+/// What counts as a fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Cycles without a frame, an encoder value or a load cell's reading that are bridged; one more is a fault.
+    pub lost_cycles: u32,
+    /// A cable faster than this is a mistake of its encoder, m/s.
+    pub cable_speed: f64,
+    /// An encoder that stands still within one cycle from this speed is frozen, m/s.
+    pub freeze_speed: f64,
+    /// One that does not change by a count while another cable moves so far is frozen, m.
+    pub freeze_travel: f64,
+    /// Largest roll, pitch or yaw, rad.
+    pub tilt: f64,
+    /// Largest difference between a load cell and what its motor pulls, N.
+    pub disagreement: f64,
+    /// How long it may last.
+    pub disagreement_time: Nanoseconds,
+    /// A load cell that says the same to the last bit while its motor's pull changed by this is stuck, N.
+    pub stuck: f64,
+}
+
+/// What to pull when something failed or the operator let go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Safe {
+    /// What.
+    pub output: SafeOutput,
+    /// Time of the way to it, and of the lift off the stand.
+    pub ramp: Nanoseconds,
+    /// What each winch adds by itself for every metre that its cable is longer than when the way began, N/m.
+    pub stiffness: f64,
+    /// The same for every m/s that it gets longer, N s/m.
+    pub damping: f64,
+}
+
+/// What to pull when something failed or the operator let go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SafeOutput {
+    /// The last tensions that passed every check.
+    Hold,
+    /// By a ramp to what carries the platform at rest at the last good pose.
+    GravityRamp,
+    /// Nothing: quick stop, then voltage off. The platform falls unless the drives have brakes.
+    TorqueOff,
+}
+
+/// Who computes the tensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControllerConfig {
+    /// Path of the packed controller.
+    pub fmu: String,
+    /// Its parameters, by their names in the FMU.
+    pub parameters: BTreeMap<String, Parameter>,
+    /// The robot that these parameters describe; Table I where they are silent.
+    pub robot: RobotParameters,
+    /// The largest tension that it may ask for, N.
+    pub max_tension: f64,
+}
+
+impl ControllerConfig {
+    /// The rig that these parameters describe.
+    pub fn rig(&self) -> Rig {
+        Rig::paper(&self.robot, TensionLimits { min: 0.0, max: self.max_tension })
+    }
+}
+
+/// A parameter of the FMU.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// `true` or `false`.
+    Boolean(bool),
+    /// A number.
+    Number(f64),
+    /// An item of an enumeration, by its name.
+    Item(String),
+}
+
+/// A rig file that is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ConfigError {
+    /// No TOML, an unknown or missing field, or a value of the wrong kind.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// A value that makes no sense.
+    #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
+    Value {
+        /// Line in the file, from 1.
+        line: usize,
+        /// The field, with its table; cables counted from 1.
+        field: String,
+        /// The value given.
+        value: String,
+        /// What would be right.
+        allowed: String,
+    },
+}
+
+impl Config {
+    /// Reads the text of a rig file.
+    ///
+    /// # Errors
+    /// [`ConfigError`]: the line, the field, its value and what is allowed.
+    pub fn parse(text: &str) -> Result<Self, ConfigError> {
+        file::parse(text)
+    }
+
+    /// Cycles in a time, at least one.
+    pub fn cycles(&self, time: Nanoseconds) -> u32 {
+        u32::try_from(time.div_ceil(self.period)).unwrap_or(u32::MAX).max(1)
+    }
+
+    /// The torque frames, in the order of the cables: bus, identifier, and whose torque each slot is.
+    pub fn torque_frames(&self) -> Vec<(usize, u16, [Option<usize>; 3])> {
+        let mut frames: Vec<(usize, u16, [Option<usize>; 3])> = vec![];
+        for (cable, drive) in self.drives.iter().enumerate() {
+            let TorqueFrame { id, slot } = drive.torque_frame;
+            match frames.iter_mut().find(|(bus, other, _)| (*bus, *other) == (drive.bus, id)) {
+                Some((_, _, slots)) => slots[slot] = Some(cable),
+                None => {
+                    let mut slots = [None; 3];
+                    slots[slot] = Some(cable);
+                    frames.push((drive.bus, id, slots));
+                }
+            }
+        }
+        frames
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::load_cell::Encoding;
+
+    /// The example that ships.
+    pub const AKD: &str = include_str!("../../../../rigs/can/akd.toml");
+
+    /// What is said of the example with one text replaced by another.
+    fn refusal(from: &str, to: &str) -> String {
+        assert!(AKD.contains(from), "{from}");
+        Config::parse(&AKD.replacen(from, to, 1)).expect_err(to).to_string()
+    }
+
+    #[test]
+    fn the_example_is_right() {
+        let config = Config::parse(AKD).unwrap();
+        assert_eq!(config.period, 4_000_000);
+        assert_eq!(config.drives[1].winch.direction, -1.0);
+        assert_eq!(config.drives[2].torque_frame, TorqueFrame { id: 0x203, slot: 0 });
+        assert_eq!(config.load_cells[5].cell.encoding, Encoding::F32);
+        assert_eq!(config.drive_objects[0].value, Value::u32(1000));
+        assert_eq!(config.safe.output, SafeOutput::GravityRamp);
+        assert_eq!(config.controller.max_tension, 60.0);
+        assert_eq!(config.controller.parameters["forceLoop"], Parameter::Boolean(true));
+        assert_eq!(config.controller.robot, RobotParameters::default());
+    }
+
+    #[test]
+    fn bad_values_are_named_with_their_line() {
+        let line = AKD.lines().position(|line| line.starts_with("rate")).unwrap() + 1;
+        let rate = refusal("rate = 250.0", "rate = 0");
+        assert_eq!(rate, format!("line {line}: rate = 0 is not allowed: must be from 1 to 2000 Hz"));
+        for (from, to, said) in [
+            ("rate = 250.0", "rate = nan", "rate = NaN"),
+            (
+                "pretension = 3.0",
+                "pretension = 70.0",
+                "slack.pretension = 70 is not allowed: must be from 0.1 to ",
+            ),
+            (
+                "disagreement = 2.0",
+                "disagreement = 3.0",
+                "limits.disagreement = 3 is not allowed: must be less than slack.pretension (3 N)",
+            ),
+            ("direction = 1", "direction = 0.5", "drives[1].direction = 0.5 is not allowed: must be 1"),
+            ("node = 2\n", "node = 1\n", "drives[2].torque_frame = 0x201, slot 1"),
+            ("node = 127", "node = 3", "drives[3].node = 3 is not allowed: the bridge has"),
+            ("node = 16", "node = 6", "load_cells[6].node = 6 is not allowed: drives[6] has"),
+            (
+                "timeout = 0.1 ",
+                "timeout = 0.03 ",
+                "heartbeat.timeout = 0.03 is not allowed: must be from 0.04 to 60 s",
+            ),
+            (
+                "bus = \"can0\"\nnode = 3",
+                "bus = \"can7\"\nnode = 3",
+                "drives[3].bus = can7 is not allowed: must be the name of one of [[buses]]: can0",
+            ),
+            ("scale = 1.0", "scale = 0.0", "load_cells[1].scale = 0"),
+            ("range = [-5.0, 150.0]", "range = [5.0, -150.0]", "load_cells[1].range = [5, -150]"),
+            ("index = 0x6130", "index = 0x61300", "load_cells[1].index = 398080"),
+            ("home = [0.0, 0.0, 1.0", "home = [0.0, 0.0, -1.0", "home[3] (z) = -1"),
+            ("maxTension = 60.0", "maxTension = false", "controller.parameters.maxTension = Boolean(false)"),
+            ("maxTension = 60.0", "b = 2.0", "controller.parameters.b = 2"),
+            ("value = 1000", "value = 4294967296", "drive_objects[1].value = 4294967296"),
+            (
+                "torque_limit = 1.6",
+                "torque_limit = 1.4",
+                "drives[1].torque_limit = 1.4 is not allowed: must be at least 1.5 N m for maxTension (60 N)",
+            ),
+            (
+                "home = [0.0, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0",
+                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold with 0 to 60 N",
+            ),
+            (
+                "[[buses]]",
+                "[[buses]]\nname = \"can0\"\nbit_rate = 1e6\n\n[[buses]]",
+                "buses[2].name = can0 is not allowed: buses[1] has this name already",
+            ),
+            (
+                "index = 0x605A",
+                "index = 0x6040",
+                "object = 0x6040:0 is not allowed: the bridge sets this object itself",
+            ),
+            (
+                "rate = 250.0",
+                "rate = 19.0",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.26",
+            ),
+            (
+                "lost_cycles = 4",
+                "lost_cycles = 24",
+                "heartbeat.drive_watchdog = 0.1 is not allowed: must be longer than 0.1 s",
+            ),
+        ] {
+            let refusal = refusal(from, to);
+            assert!(refusal.starts_with("line ") && refusal.contains(said), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn unknown_missing_and_mistyped_fields_are_named_with_their_line() {
+        for (from, to, said) in [
+            ("gear = 1.0", "gears = 1.0", "gears"),
+            ("gear = 1.0", "", "gear"),
+            ("output = \"gravity-ramp\"", "output = \"pray\"", "pray"),
+            ("encoding = \"f32\"", "encoding = \"f64\"", "f64"),
+        ] {
+            let refusal = refusal(from, to);
+            assert!(refusal.contains("line ") && refusal.contains(said), "{refusal}");
+        }
+        let five = AKD.rsplit_once("[[load_cells]]").unwrap().0;
+        let error = Config::parse(five).unwrap_err().to_string();
+        assert!(error.contains("number of [[load_cells]] = 5 is not allowed: must be 6"), "{error}");
+    }
+
+    #[test]
+    fn readings_of_one_amplifier_follow_each_other() {
+        let text = AKD.replace("node = 12\n", "node = 11\n");
+        let same = Config::parse(&text).unwrap_err().to_string();
+        assert!(same.contains("load_cells[2].index, subindex = 0x6130:1 is not allowed"), "{same}");
+        let text = text.replacen(
+            "node = 11\nindex = 0x6130\nsubindex = 1",
+            "node = 11\nindex = 0x6130\nsubindex = 2",
+            1,
+        );
+        let config = Config::parse(&text).unwrap();
+        assert_eq!((config.load_cells[0].byte, config.load_cells[1].byte), (0, 4));
+        let three = text.replace("node = 13\n", "node = 11\n");
+        let error = Config::parse(&three).unwrap_err().to_string();
+        assert!(error.contains("load_cells[3].node = 11"), "{error}");
+    }
+}

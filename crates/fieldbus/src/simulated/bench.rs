@@ -1,0 +1,164 @@
+//! Bridge and simulated rig joined without a bus, cycle by cycle: for tests of what the two do together.
+
+use super::mishap::{Mishap, NotUnderstood};
+use super::{Link, SimulatedRig};
+use crate::bridge::{CycleReport, Event};
+use crate::config::Config;
+use crate::{
+    Bridge, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
+};
+use cable_robot::plan::{ControllerParameters, PoseSource};
+use cable_robot::robot::{ParameterError, Pose};
+use cable_robot::sim::PlantParameters;
+
+/// Bridge and rig, and an operator who keeps `enable` pressed or not.
+pub struct Bench {
+    /// The bridge.
+    pub bridge: Bridge,
+    /// The rig.
+    pub rig: SimulatedRig,
+    /// Who computes the tensions.
+    pub controller: Box<dyn TensionController>,
+    /// The wires between them.
+    pub link: Link,
+    /// Whether the operator keeps enable pressed.
+    pub is_pressed: bool,
+    /// Everything that the bridge wanted logged.
+    pub events: Vec<(Nanoseconds, Event)>,
+    /// Time of the last cycle.
+    pub now: Nanoseconds,
+    /// On the way to the bridge.
+    coming: Vec<(usize, Frame)>,
+    /// What reached it in the last cycle.
+    heard: Vec<(usize, Frame)>,
+    out: FrameQueue,
+}
+
+impl Bench {
+    /// The library's controller with the paper's gains, the load cells' force loop and lengths for poses; a plant with `imperfections`.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for an imperfection that makes no sense.
+    pub fn new(config: Config, imperfections: PlantParameters) -> Result<Self, ParameterError> {
+        let parameters = parameters(&config);
+        Ok(Self {
+            rig: SimulatedRig::new(config.clone(), imperfections)?,
+            bridge: Bridge::new(config),
+            controller: Box::new(LibraryController::new(parameters)),
+            link: Link::new(1),
+            is_pressed: false,
+            events: vec![],
+            now: 0,
+            coming: vec![],
+            heard: vec![],
+            out: FrameQueue::new(),
+        })
+    }
+
+    /// Of the controller that it starts with.
+    pub fn parameters(&self) -> ControllerParameters {
+        parameters(self.bridge.config())
+    }
+
+    /// The next cycle, a period later.
+    pub fn cycle(&mut self) -> CycleReport {
+        self.cycle_at(self.now + self.bridge.config().period)
+    }
+
+    /// The next cycle at this time.
+    pub fn cycle_at(&mut self, now: Nanoseconds) -> CycleReport {
+        self.now = now;
+        self.rig.tick(now, &mut self.coming);
+        self.heard.clear();
+        for (bus, frame) in std::mem::take(&mut self.coming) {
+            for _ in 0..self.link.copies() {
+                self.bridge.on_frame(bus, &frame, now);
+                self.heard.push((bus, frame));
+            }
+        }
+        if self.is_pressed {
+            // Refused while the bridge is on its way to the safe output.
+            let _ = self.bridge.operator(OperatorCommand::Enable, now);
+        }
+        let report = self.bridge.cycle(now, &mut *self.controller, &mut self.out);
+        for k in 0..self.out.frames().len() {
+            let (bus, frame) = self.out.frames()[k];
+            for _ in 0..self.link.copies() {
+                self.rig.on_frame(bus, &frame, now, &mut self.coming);
+            }
+        }
+        while let Some(event) = self.bridge.take_event() {
+            self.events.push(event);
+        }
+        report
+    }
+
+    /// Something goes wrong, in the words of [`super::mishap::GRAMMAR`].
+    ///
+    /// # Errors
+    /// [`NotUnderstood`].
+    pub fn suffer(&mut self, text: &str) -> Result<(), NotUnderstood> {
+        self.rig.suffer(text.parse::<Mishap>()?, &mut self.link, self.now, &mut self.coming);
+        Ok(())
+    }
+
+    /// What reached the bridge in the last cycle.
+    pub fn heard(&self) -> &[(usize, Frame)] {
+        &self.heard
+    }
+
+    /// What the bridge sent in the last cycle.
+    pub fn sent(&self) -> &[(usize, Frame)] {
+        self.out.frames()
+    }
+
+    /// A frame from somebody else, with the next cycle.
+    pub fn inject(&mut self, bus: usize, frame: Frame) {
+        self.coming.push((bus, frame));
+    }
+
+    /// Cycles until the bridge is in this state, or for `seconds`. Whether it is.
+    pub fn run_until(&mut self, state: State, seconds: f64) -> bool {
+        let end = self.now + (seconds * 1e9) as Nanoseconds;
+        while self.now < end && self.bridge.state() != state {
+            self.cycle();
+        }
+        self.bridge.state() == state
+    }
+
+    /// Cycles for `seconds`, and what each reported.
+    pub fn run(&mut self, seconds: f64) -> Vec<CycleReport> {
+        let end = self.now + (seconds * 1e9) as Nanoseconds;
+        let mut reports = vec![];
+        while self.now < end {
+            reports.push(self.cycle());
+        }
+        reports
+    }
+
+    /// From power-on to the controller's tensions, at the home pose. Whether it got there.
+    pub fn start(&mut self) -> bool {
+        let is_set_up = self.run_until(State::Homing, 20.0);
+        // Homing needs a reading of everything.
+        self.run(0.1);
+        let is_homed = is_set_up && self.bridge.operator(OperatorCommand::Home, self.now).is_ok();
+        let is_ready = is_homed && self.run_until(State::Ready, 20.0);
+        self.is_pressed = true;
+        is_ready && self.run_until(State::Enabled, 1.0)
+    }
+
+    /// Sends the platform somewhere.
+    pub fn go_to(&mut self, x: f64, y: f64, z: f64) {
+        // Finite goals are never refused.
+        let _ = self.bridge.operator(OperatorCommand::Goal(Pose::at(x, y, z)), self.now);
+    }
+}
+
+fn parameters(config: &Config) -> ControllerParameters {
+    ControllerParameters {
+        rig: config.controller.rig(),
+        pose_source: PoseSource::CableLengths,
+        force_loop: true,
+        ..ControllerParameters::default()
+    }
+}

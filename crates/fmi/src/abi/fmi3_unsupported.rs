@@ -1,0 +1,336 @@
+//! The functions of FMI 3.0 that these FMUs do not support: each exists, since importers look them all up, and says why
+//! it does nothing.
+
+use super::refuse;
+use crate::bindings::fmi3::{
+    fmi3Boolean, fmi3Clock, fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3Int32, fmi3IntervalQualifier,
+    fmi3Status, fmi3UInt64, fmi3ValueReference,
+};
+use crate::lifecycle::function;
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3EnterStepMode") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3EnterEventMode") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3EvaluateDiscreteStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
+    instance: fmi3Instance,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3UpdateDiscreteStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterConfigurationMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3EnterConfigurationMode") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3ExitConfigurationMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3ExitConfigurationMode") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
+    instance: fmi3Instance,
+    _: fmi3ValueReference,
+    _: *mut usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetNumberOfVariableDependencies") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetVariableDependencies(
+    instance: fmi3Instance,
+    _: fmi3ValueReference,
+    _: *mut usize,
+    _: *mut fmi3ValueReference,
+    _: *mut usize,
+    _: *mut fmi3DependencyKind,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetVariableDependencies") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Float64,
+    _: usize,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetDirectionalDerivative") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetAdjointDerivative(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Float64,
+    _: usize,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetAdjointDerivative") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetOutputDerivatives(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Int32,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetOutputDerivatives") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetClock(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *mut fmi3Clock,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetClock") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetClock(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Clock,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetClock") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetIntervalDecimal(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *mut fmi3Float64,
+    _: *mut fmi3IntervalQualifier,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetIntervalDecimal") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetIntervalFraction(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *mut fmi3UInt64,
+    _: *mut fmi3UInt64,
+    _: *mut fmi3IntervalQualifier,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetIntervalFraction") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetShiftDecimal(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *mut fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetShiftDecimal") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetShiftFraction(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *mut fmi3UInt64,
+    _: *mut fmi3UInt64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetShiftFraction") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetIntervalDecimal(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetIntervalDecimal") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetIntervalFraction(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3UInt64,
+    _: *const fmi3UInt64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetIntervalFraction") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetShiftDecimal(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetShiftDecimal") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetShiftFraction(
+    instance: fmi3Instance,
+    _: *const fmi3ValueReference,
+    _: usize,
+    _: *const fmi3UInt64,
+    _: *const fmi3UInt64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetShiftFraction") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3EnterContinuousTimeMode") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
+    instance: fmi3Instance,
+    _: fmi3Boolean,
+    _: *mut fmi3Boolean,
+    _: *mut fmi3Boolean,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3CompletedIntegratorStep") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, _: fmi3Float64) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetTime") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetContinuousStates(
+    instance: fmi3Instance,
+    _: *const fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3SetContinuousStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(
+    instance: fmi3Instance,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetContinuousStateDerivatives") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetEventIndicators(
+    instance: fmi3Instance,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetEventIndicators") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetContinuousStates(
+    instance: fmi3Instance,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetContinuousStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(
+    instance: fmi3Instance,
+    _: *mut fmi3Float64,
+    _: usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetNominalsOfContinuousStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: fmi3Instance, _: *mut usize) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetNumberOfEventIndicators") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(
+    instance: fmi3Instance,
+    _: *mut usize,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3GetNumberOfContinuousStates") }) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3ActivateModelPartition(
+    instance: fmi3Instance,
+    _: fmi3ValueReference,
+    _: fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe { refuse(instance, const { function("fmi3ActivateModelPartition") }) }
+}

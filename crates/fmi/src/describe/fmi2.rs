@@ -1,0 +1,98 @@
+//! modelDescription.xml of FMI 2.0.
+
+use std::io;
+
+use super::xml::{
+    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
+    kind_of, leaf, node, units,
+};
+use crate::models::{Interface, Scalar};
+use crate::variables::{Causality, Kind};
+
+/// The XML of a model for a rig.
+pub fn model_description(interface: &Interface) -> String {
+    let mut root = vec![is("fmiVersion", "2.0"), is("guid", interface.token())];
+    root.extend(about(interface));
+    document(|xml| {
+        node(xml, "fmiModelDescription", &root, |xml| {
+            capabilities(xml, interface)?;
+            units(xml, interface)?;
+            types(xml, interface)?;
+            categories_and_experiment(xml)?;
+            variables(xml, interface)?;
+            structure(xml, interface)
+        })
+    })
+}
+
+fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let attributes = [
+        is("modelIdentifier", interface.model().identifier()),
+        is("needsExecutionTool", false),
+        is("canHandleVariableCommunicationStepSize", true),
+        is("canInterpolateInputs", false),
+        is("maxOutputDerivativeOrder", 0),
+        is("canRunAsynchronuously", false),
+        is("canBeInstantiatedOnlyOncePerProcess", false),
+        is("canNotUseMemoryManagementFunctions", true),
+        is("canGetAndSetFMUstate", true),
+        is("canSerializeFMUstate", true),
+        is("providesDirectionalDerivative", false),
+    ];
+    leaf(xml, "CoSimulation", &attributes)
+}
+
+fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let kinds = enumerations(interface);
+    if kinds.is_empty() {
+        return Ok(());
+    }
+    node(xml, "TypeDefinitions", &[], |xml| {
+        kinds.iter().try_for_each(|kind| {
+            node(xml, "SimpleType", &[is("name", kind.name), is("description", kind.description)], |xml| {
+                node(xml, "Enumeration", &[], |xml| items(xml, kind))
+            })
+        })
+    })
+}
+
+/// FMI 2 leaves the independent variable out: it is optional there, and the FMI Library misses a start value on it.
+fn listed(interface: &Interface) -> impl Iterator<Item = Scalar> {
+    interface.scalars().filter(|scalar| scalar.row.causality != Causality::Independent)
+}
+
+fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    node(xml, "ModelVariables", &[], |xml| {
+        listed(interface).try_for_each(|scalar| {
+            let element = match scalar.row.kind {
+                Kind::Float64 => "Real",
+                Kind::Int32 => "Integer",
+                Kind::Boolean => "Boolean",
+                Kind::Enumeration(_) => "Enumeration",
+            };
+            node(xml, "ScalarVariable", &identity(&scalar), |xml| {
+                leaf(xml, element, &kind_of(interface, &scalar))
+            })
+        })
+    })
+}
+
+/// FMI 2 counts variables from 1 in the order of the XML. Outputs change in a step only, so at a communication point
+/// they depend on nothing; at the start they depend on what the table says.
+fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let index_of = |wanted| 1 + listed(interface).take_while(|scalar| scalar.reference != wanted).count();
+    let outputs = || listed(interface).filter(|scalar| scalar.row.causality == Causality::Output);
+    node(xml, "ModelStructure", &[], |xml| {
+        node(xml, "Outputs", &[], |xml| {
+            outputs().try_for_each(|Scalar { reference, .. }| {
+                leaf(xml, "Unknown", &[is("index", index_of(reference)), is("dependencies", "")])
+            })
+        })?;
+        node(xml, "InitialUnknowns", &[], |xml| {
+            outputs().try_for_each(|Scalar { row, reference, .. }| {
+                let dependencies = is("dependencies", dependencies(interface, row, index_of));
+                leaf(xml, "Unknown", &[is("index", index_of(reference)), dependencies])
+            })
+        })
+    })
+}

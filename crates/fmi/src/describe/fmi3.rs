@@ -1,0 +1,98 @@
+//! modelDescription.xml and the icon's place in FMI 3.0.
+
+use std::io;
+
+use super::xml::{
+    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
+    kind_of, leaf, node, units,
+};
+use crate::models::{Interface, Scalar};
+use crate::variables::Causality;
+
+/// The XML of a model for a rig.
+pub fn model_description(interface: &Interface) -> String {
+    let mut root = vec![is("fmiVersion", "3.0"), is("instantiationToken", interface.token())];
+    root.extend(about(interface));
+    document(|xml| {
+        node(xml, "fmiModelDescription", &root, |xml| {
+            capabilities(xml, interface)?;
+            units(xml, interface)?;
+            types(xml, interface)?;
+            categories_and_experiment(xml)?;
+            variables(xml, interface)?;
+            structure(xml, interface)
+        })
+    })
+}
+
+/// terminalsAndIcons.xml: a square icon.
+pub fn icon_place() -> String {
+    let corners = [is("x1", -100), is("y1", -100), is("x2", 100), is("y2", 100)];
+    let mut system = corners.to_vec();
+    system.push(is("suggestedScalingFactorTo_mm", 0.1));
+    document(|xml| {
+        node(xml, "fmiTerminalsAndIcons", &[is("fmiVersion", "3.0")], |xml| {
+            node(xml, "GraphicalRepresentation", &[], |xml| {
+                leaf(xml, "CoordinateSystem", &system)?;
+                leaf(xml, "Icon", &corners)
+            })
+        })
+    })
+}
+
+fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let attributes = [
+        is("modelIdentifier", interface.model().identifier()),
+        is("needsExecutionTool", false),
+        is("canBeInstantiatedOnlyOncePerProcess", false),
+        is("canGetAndSetFMUState", true),
+        is("canSerializeFMUState", true),
+        is("providesDirectionalDerivatives", false),
+        is("providesAdjointDerivatives", false),
+        is("providesPerElementDependencies", false),
+        is("canHandleVariableCommunicationStepSize", true),
+        is("maxOutputDerivativeOrder", 0),
+        is("providesIntermediateUpdate", false),
+        is("mightReturnEarlyFromDoStep", false),
+        is("canReturnEarlyAfterIntermediateUpdate", false),
+        is("hasEventMode", false),
+    ];
+    leaf(xml, "CoSimulation", &attributes)
+}
+
+fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let kinds = enumerations(interface);
+    if kinds.is_empty() {
+        return Ok(());
+    }
+    node(xml, "TypeDefinitions", &[], |xml| {
+        kinds.iter().try_for_each(|kind| {
+            let attributes = [is("name", kind.name), is("description", kind.description)];
+            node(xml, "EnumerationType", &attributes, |xml| items(xml, kind))
+        })
+    })
+}
+
+fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    node(xml, "ModelVariables", &[], |xml| {
+        interface.scalars().try_for_each(|scalar| {
+            let attributes = [identity(&scalar), kind_of(interface, &scalar)].concat();
+            leaf(xml, scalar.row.kind.name(), &attributes)
+        })
+    })
+}
+
+/// Outputs change in a step only, so at a communication point they depend on nothing; at the start they depend on what
+/// the table says.
+fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    let outputs = || interface.scalars().filter(|scalar| scalar.row.causality == Causality::Output);
+    node(xml, "ModelStructure", &[], |xml| {
+        outputs().try_for_each(|Scalar { reference, .. }| {
+            leaf(xml, "Output", &[is("valueReference", reference), is("dependencies", "")])
+        })?;
+        outputs().try_for_each(|Scalar { row, reference, .. }| {
+            let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
+            leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
+        })
+    })
+}

@@ -1,0 +1,119 @@
+//! What an FMU contains besides the library: XML, documentation, icon and licence, rendered from the variable tables.
+//! What a person may want to read is checked in under `modelDescription/`, and a test fails when it drifts.
+
+mod drawing;
+mod fmi2;
+mod fmi3;
+mod page;
+mod xml;
+
+use super::models::{Interface, MODELS, Model};
+
+/// Version of the standard that an FMU follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0
+    Fmi2,
+    /// FMI 3.0
+    Fmi3,
+}
+
+/// Both versions.
+pub const VERSIONS: [Version; 2] = [Version::Fmi2, Version::Fmi3];
+
+const MIT: &str = include_str!("../../../../modelDescription/licenses/MIT.txt");
+const APACHE: &str = include_str!("../../../../modelDescription/licenses/Apache-2.0.txt");
+const LICENSE: &str = include_str!("../../../../modelDescription/licenses/license.txt");
+const ICON: &[u8] = include_bytes!("../../../../modelDescription/icon.png");
+const ICON_DRAWING: &str = include_str!("../../../../modelDescription/icon.svg");
+
+impl Version {
+    /// Short name, as in the folders of FMUs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Version::Fmi2 => "fmi2",
+            Version::Fmi3 => "fmi3",
+        }
+    }
+}
+
+/// modelDescription.xml.
+pub fn model_description(interface: &Interface, version: Version) -> String {
+    match version {
+        Version::Fmi2 => fmi2::model_description(interface),
+        Version::Fmi3 => fmi3::model_description(interface),
+    }
+}
+
+/// documentation/index.html.
+pub fn documentation(interface: &Interface) -> String {
+    page::render(interface)
+}
+
+/// Everything in the FMU but the library: path in the zip file and content.
+pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Vec<u8>)> {
+    let mut files = vec![
+        ("modelDescription.xml", model_description(interface, version).into_bytes()),
+        ("documentation/index.html", documentation(interface).into_bytes()),
+        ("documentation/licenses/license.txt", LICENSE.into()),
+        ("documentation/licenses/MIT.txt", MIT.into()),
+        ("documentation/licenses/Apache-2.0.txt", APACHE.into()),
+    ];
+    match version {
+        Version::Fmi2 => files.push(("model.png", ICON.into())),
+        Version::Fmi3 => files.extend([
+            ("terminalsAndIcons/icon.png", ICON.into()),
+            ("terminalsAndIcons/icon.svg", ICON_DRAWING.into()),
+            ("terminalsAndIcons/terminalsAndIcons.xml", fmi3::icon_place().into_bytes()),
+        ]),
+    }
+    files.into_iter().map(|(path, content)| (path.to_owned(), content)).collect()
+}
+
+/// What is rendered and checked in: path under `modelDescription/` and content. `cargo fmu describe` writes it.
+pub fn checked_in() -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for interface in MODELS.map(Model::interface) {
+        let folder = interface.model().identifier();
+        for version in VERSIONS {
+            let path = format!("{folder}/{}/modelDescription.xml", version.name());
+            files.push((path, model_description(&interface, version).into_bytes()));
+        }
+        files.push((format!("{folder}/index.html"), documentation(&interface).into_bytes()));
+    }
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::variables::Causality;
+    use cable_robot::robot::RigFile;
+
+    #[test]
+    fn what_is_checked_in_is_what_the_tables_say() {
+        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription"));
+        for (path, content) in checked_in() {
+            let there = std::fs::read(folder.join(&path)).unwrap_or_default();
+            assert!(there == content, "modelDescription/{path} has drifted: run `cargo fmu describe`");
+        }
+    }
+
+    #[test]
+    fn both_versions_name_every_scalar_and_the_token() {
+        let eight = RigFile::parse(include_str!("../../../../rigs/eight.toml")).unwrap();
+        let of_eight = MODELS.map(|model| Interface::of_rig(model, &eight));
+        for interface in MODELS.map(Model::interface).into_iter().chain(of_eight) {
+            for version in VERSIONS {
+                let text = model_description(&interface, version);
+                assert!(text.contains(interface.token()));
+                for scalar in interface.scalars() {
+                    let wanted =
+                        format!("name=\"{}\" valueReference=\"{}\"", scalar.name(), scalar.reference);
+                    let left_out = version == Version::Fmi2 && scalar.row.causality == Causality::Independent;
+                    assert_eq!(text.matches(&wanted).count(), usize::from(!left_out), "{wanted}");
+                }
+            }
+        }
+    }
+}

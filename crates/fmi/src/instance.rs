@@ -1,0 +1,304 @@
+//! One instance of a model: its life, its values, its time. Knows nothing of C.
+
+use super::error::{FmiError, Status};
+use super::lifecycle::{Function, State};
+use super::log::{Category, Log};
+use super::models::{Interface, Model, Running, Scalar};
+use super::state::Snapshot;
+use super::values::Values;
+use super::variables::{Causality, Kind, Variability};
+use cable_robot::plan::Fault;
+
+/// An instance as `fmi2Instantiate` or `fmi3InstantiateCoSimulation` makes it.
+pub struct Instance {
+    interface: Interface,
+    /// Where messages go.
+    pub log: Log,
+    /// All that get/setFMUState saves.
+    now: Snapshot,
+}
+
+impl Instance {
+    /// An instance with all variables at their start values.
+    pub fn new(interface: Interface, log: Log) -> Self {
+        let now = Snapshot::new(&interface);
+        Self { interface, log, now }
+    }
+
+    /// Which model it is.
+    pub fn model(&self) -> Model {
+        self.interface.model()
+    }
+
+    /// Its variables.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// Where it is in its life.
+    pub fn state(&self) -> State {
+        self.now.state
+    }
+
+    /// The communication point it has reached, s.
+    pub fn time(&self) -> f64 {
+        self.now.time()
+    }
+
+    /// A call has failed: only reset, saved states and reading remain.
+    pub fn fail(&mut self) {
+        self.now.state = State::Error;
+    }
+
+    /// Takes note of the experiment.
+    ///
+    /// # Errors
+    /// [`FmiError::Argument`] for times that are not finite or in the wrong order.
+    pub fn set_up_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), FmiError> {
+        if !start.is_finite() {
+            return Err(argument("startTime", start, "a finite number"));
+        }
+        if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop >= start)) {
+            return Err(argument(
+                "stopTime",
+                stop,
+                &format!("a finite number not below startTime = {start}"),
+            ));
+        }
+        self.now.set_time(start);
+        self.now.stop = stop;
+        Ok(())
+    }
+
+    /// Instantiated -> Initialization Mode.
+    pub fn enter_initialization(&mut self) {
+        self.now.state = State::Initialization;
+    }
+
+    /// Initialization Mode -> Step Mode: checks the parameters and starts the model.
+    ///
+    /// # Errors
+    /// [`FmiError::Parameter`] naming the parameter that makes no sense.
+    pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
+        self.now.start(&self.interface)?;
+        self.now.state = State::StepMode;
+        if let Some(warning) = self.interface.warning(&self.now.values) {
+            self.log.send(Status::Ok, Category::Warning, &warning);
+        }
+        if let Some(fault) = self.now.running.as_ref().and_then(Running::fault) {
+            self.warn_of(fault, self.time());
+        }
+        self.event(|now| format!("initialised at t = {} s", now.time()));
+        Ok(())
+    }
+
+    /// Advances from `point` to `point + h`. Inputs are held; outputs and time change together, or nothing does.
+    ///
+    /// # Errors
+    /// [`FmiError::Argument`] for a step that makes no sense, [`FmiError::Plant`] for one that cannot be computed.
+    pub fn step(&mut self, point: f64, h: f64) -> Result<(), FmiError> {
+        self.check_step(point, h)?;
+        let Some(mut running) = self.now.running.clone() else {
+            return Err(FmiError::State("it is in Step Mode but was never initialised".to_owned()));
+        };
+        running.step(&self.now.values, point, h)?;
+        let before = self.log.is_enabled(Category::Events).then(|| self.now.values.clone());
+        running.write_outputs(&mut self.now.values);
+        let fault = self.now.running.as_ref().and_then(Running::fault).map(|fault| fault.check);
+        if let Some(new) = running.fault().filter(|new| Some(new.check) != fault) {
+            self.warn_of(new, point);
+        }
+        self.now.running = Some(running);
+        self.now.set_time(point + h);
+        if let Some(before) = before {
+            self.report_changes(&before);
+        }
+        Ok(())
+    }
+
+    /// Importers add up step sizes in their own way (0.1 + 0.2 is not 0.3), so points are compared with a tolerance.
+    fn check_step(&self, point: f64, h: f64) -> Result<(), FmiError> {
+        let time = self.time();
+        if !(h.is_finite() && h > 0.0) {
+            return Err(argument("communicationStepSize", h, "a finite number greater than 0"));
+        }
+        let tolerance = 1e-9_f64.max(1e-6 * h).max(4.0 * f64::EPSILON * time.abs());
+        if !point.is_finite() || (point - time).abs() > tolerance {
+            return Err(argument(
+                "currentCommunicationPoint",
+                point,
+                &format!("{time}, where the last step ended"),
+            ));
+        }
+        match self.now.stop {
+            Some(stop) if point + h > stop + tolerance => {
+                let allowed = format!("from {point} to stopTime = {stop} there are {} s", stop - point);
+                Err(argument("communicationStepSize", h, &allowed))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Step Mode -> Terminated.
+    pub fn terminate(&mut self) {
+        self.now.state = State::Terminated;
+        self.event(|now| format!("terminated at t = {} s", now.time()));
+    }
+
+    /// Back to how it was when instantiated; the logging stays as it is set.
+    pub fn reset(&mut self) {
+        self.now = Snapshot::new(&self.interface);
+    }
+
+    /// All that a later [`Instance::restore`] needs.
+    pub fn snapshot(&self) -> &Snapshot {
+        &self.now
+    }
+
+    /// Goes on from a saved state, whatever has happened since.
+    ///
+    /// # Errors
+    /// [`FmiError::State`] for a state of the other model.
+    pub fn restore(&mut self, saved: &Snapshot) -> Result<(), FmiError> {
+        if saved.model() != self.model() {
+            let (theirs, ours) = (saved.model().identifier(), self.model().identifier());
+            return Err(FmiError::State(format!("it was saved by {theirs}, this is {ours}")));
+        }
+        self.now.clone_from(saved);
+        Ok(())
+    }
+
+    /// Hands the values behind `references` to `give`, with their positions.
+    ///
+    /// # Errors
+    /// Names the first reference that cannot be read with `function`; then `give` was not called at all.
+    pub fn get(
+        &mut self,
+        function: &'static Function,
+        handles: fn(Kind) -> bool,
+        references: &[u32],
+        mut give: impl FnMut(usize, f64),
+    ) -> Result<(), FmiError> {
+        for &reference in references {
+            let scalar = self.scalar(function, handles, reference)?;
+            if scalar.row.causality == Causality::Output {
+                self.calculate_outputs(&scalar)?;
+            }
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            give(i, self.now.values.at(reference));
+        }
+        Ok(())
+    }
+
+    /// Sets the values behind `references` to what `take` has at their positions.
+    ///
+    /// # Errors
+    /// Names the first value that cannot be set; then none was.
+    pub fn set(
+        &mut self,
+        function: &'static Function,
+        handles: fn(Kind) -> bool,
+        references: &[u32],
+        take: impl Fn(usize) -> f64,
+    ) -> Result<(), FmiError> {
+        for (i, &reference) in references.iter().enumerate() {
+            let scalar = self.scalar(function, handles, reference)?;
+            self.check_settable(&scalar)?;
+            check_value(&scalar, take(i))?;
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            self.now.values.put(reference, take(i));
+        }
+        if self.now.state != State::StepMode && !references.is_empty() {
+            // Outputs follow in Initialization Mode, but only when somebody reads them.
+            self.now.running = None;
+        }
+        Ok(())
+    }
+
+    fn scalar(
+        &self,
+        function: &'static Function,
+        handles: fn(Kind) -> bool,
+        reference: u32,
+    ) -> Result<Scalar, FmiError> {
+        let (function, model) = (function.name, self.model().identifier());
+        let scalar = self.interface.scalar(reference).ok_or(FmiError::UnknownReference {
+            function,
+            model,
+            reference,
+        })?;
+        if handles(scalar.row.kind) {
+            return Ok(scalar);
+        }
+        Err(FmiError::WrongType { function, name: scalar.name(), reference, kind: scalar.row.kind.name() })
+    }
+
+    fn calculate_outputs(&mut self, scalar: &Scalar) -> Result<(), FmiError> {
+        let why = match (&self.now.running, self.now.state) {
+            (Some(_), _) => return Ok(()),
+            (None, State::Initialization) => match self.now.start(&self.interface) {
+                Ok(()) => return Ok(()),
+                Err(error) => error.to_string(),
+            },
+            (None, _) => "outputs exist from Initialization Mode on".to_owned(),
+        };
+        Err(FmiError::NotReady { name: scalar.name(), why })
+    }
+
+    fn check_settable(&self, scalar: &Scalar) -> Result<(), FmiError> {
+        let state = self.now.state;
+        let allowed = match scalar.row.causality {
+            Causality::Input => return Ok(()),
+            Causality::Parameter if state != State::StepMode => return Ok(()),
+            Causality::Parameter => "it is a fixed parameter, to be set before initialisation ends",
+            Causality::Output => "it is an output",
+            Causality::Independent => "time advances with doStep only",
+        };
+        Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
+    }
+
+    fn warn_of(&self, fault: &Fault, time: f64) {
+        if self.log.is_enabled(Category::Warning) {
+            let text = format!("SensorFault at t = {time} s: {fault}");
+            self.log.send(Status::Ok, Category::Warning, &text);
+        }
+    }
+
+    fn event(&self, text: impl FnOnce(&Snapshot) -> String) {
+        if self.log.is_enabled(Category::Events) {
+            self.log.send(Status::Ok, Category::Events, &text(&self.now));
+        }
+    }
+
+    /// One line for each discrete output that a step has changed.
+    fn report_changes(&self, before: &Values) {
+        let after = &self.now.values;
+        let discrete = |scalar: &Scalar| {
+            scalar.row.causality == Causality::Output && scalar.row.variability == Variability::Discrete
+        };
+        for scalar in self.interface.scalars().filter(discrete) {
+            let reference = scalar.reference;
+            if before.at(reference) != after.at(reference) {
+                let (name, time) = (scalar.name(), self.time());
+                let (old, new) = (before.text(scalar.row, reference), after.text(scalar.row, reference));
+                self.event(|_| format!("{name} changed from {old} to {new} in the step to t = {time} s"));
+            }
+        }
+    }
+}
+
+/// Numbers are finite always; enumerations have an item for them. Ranges of parameters are checked by the model when
+/// initialisation ends, since they may be set in any order.
+fn check_value(scalar: &Scalar, value: f64) -> Result<(), FmiError> {
+    match scalar.row.kind {
+        Kind::Enumeration(kind) if kind.has(value) => Ok(()),
+        Kind::Float64 | Kind::Int32 | Kind::Boolean if value.is_finite() => Ok(()),
+        _ => Err(FmiError::bad_value(scalar, value)),
+    }
+}
+
+fn argument(argument: &'static str, value: f64, allowed: &str) -> FmiError {
+    FmiError::Argument { argument, value, allowed: allowed.to_owned() }
+}

@@ -1,0 +1,28 @@
+//! The C boundary: one library, two models, FMI 2.0 and 3.0 co-simulation.
+//!
+//! An FMU is a zip file with a description (XML) and a library. The description lists variables, each with a number, its
+//! *value reference*; the library exports C functions to make an instance, to set and get variables by these numbers, and
+//! to advance time. Read on in this order:
+//!
+//! - [`variables`]: what a variable is; `models/` has the two tables and the way from values to controller and plant;
+//! - [`values`]: one number a value reference;
+//! - [`lifecycle`]: which call is allowed when;
+//! - [`instance`]: what the calls do; [`state`]: what an instance is and how it is saved; [`log`]: what it says;
+//! - [`abi`]: the C functions, which translate pointers into the above and nothing else;
+//! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
+
+pub mod abi;
+pub mod archive;
+pub mod describe;
+pub mod error;
+pub mod instance;
+pub mod lifecycle;
+pub mod log;
+pub mod models;
+pub mod resources;
+pub mod state;
+pub mod values;
+pub mod variables;
+
+pub use cable_robot_bindings as bindings;
+pub use models::{Interface, MODELS, Model};

@@ -1,0 +1,271 @@
+//! Which call is allowed when: the tables of FMI 2.0.4, section 4.2.4, and of FMI 3.0.1, sections 2.3 and 4.2, as data.
+//! It is also the list of all functions that the library exports.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::FmiError;
+
+/// Where an instance is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// Parameters and start values may be set.
+    Instantiated,
+    /// Outputs follow parameters and inputs; both may be set.
+    Initialization,
+    /// FMI 2 calls it *stepComplete*: time goes on with every doStep.
+    StepMode,
+    /// The run is over, its last values can be read.
+    Terminated,
+    /// A call has failed. FMI 3 has no name of its own for it (it is in *Terminated*).
+    Error,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            State::Instantiated => "Instantiated",
+            State::Initialization => "Initialization Mode",
+            State::StepMode => "Step Mode",
+            State::Terminated => "Terminated",
+            State::Error => "Error",
+        })
+    }
+}
+
+/// One function of the standard.
+#[derive(Debug)]
+pub struct Function {
+    /// Name in C.
+    pub name: &'static str,
+    /// When it may be called.
+    pub allowed: Allowed,
+}
+
+/// When a function may be called.
+#[derive(Debug)]
+pub enum Allowed {
+    /// Needs no instance.
+    Always,
+    /// In these states.
+    In(&'static [State]),
+    /// Never, for this reason.
+    Never(&'static str),
+}
+
+use Allowed::{Always, In, Never};
+use State::{Error, Initialization, Instantiated, StepMode, Terminated};
+
+const ANY: Allowed = In(&[Instantiated, Initialization, StepMode, Terminated, Error]);
+const SET: Allowed = In(&[Instantiated, Initialization, StepMode]);
+const GET_2: Allowed = In(&[Initialization, StepMode, Terminated, Error]);
+const GET_3: Allowed = ANY;
+const STATUS_2: Allowed = In(&[StepMode, Terminated]);
+
+const CO_SIMULATION_ONLY: Allowed = Never("this FMU has Co-Simulation only, not Model Exchange");
+const NOT_SCHEDULED: Allowed = Never("this FMU has Co-Simulation only, not Scheduled Execution");
+const NO_DERIVATIVES: Allowed = Never("this FMU provides no derivatives, as its modelDescription.xml says");
+const NO_DEPENDENCIES: Allowed = Never("the dependencies are in modelDescription.xml and never change");
+const NO_EVENTS: Allowed = Never("this FMU has no Event Mode, as its modelDescription.xml says");
+const NO_CLOCKS: Allowed = Never("this FMU has no clocks");
+const NO_STRUCTURE: Allowed = Never("this FMU has no structural parameters");
+const NEVER_PENDING: Allowed = Never("a step is never pending: doStep returns when it is done");
+
+const fn row(name: &'static str, allowed: Allowed) -> Function {
+    Function { name, allowed }
+}
+
+/// Every function of both standards.
+pub const FUNCTIONS: &[Function] = &[
+    row("fmi2GetTypesPlatform", Always),
+    row("fmi2GetVersion", Always),
+    row("fmi2Instantiate", Always),
+    row("fmi2FreeInstance", ANY),
+    row("fmi2SetDebugLogging", ANY),
+    row("fmi2SetupExperiment", In(&[Instantiated])),
+    row("fmi2EnterInitializationMode", In(&[Instantiated])),
+    row("fmi2ExitInitializationMode", In(&[Initialization])),
+    row("fmi2Terminate", In(&[StepMode])),
+    row("fmi2Reset", ANY),
+    row("fmi2GetReal", GET_2),
+    row("fmi2GetInteger", GET_2),
+    row("fmi2GetBoolean", GET_2),
+    row("fmi2GetString", GET_2),
+    row("fmi2SetReal", SET),
+    row("fmi2SetInteger", SET),
+    row("fmi2SetBoolean", SET),
+    row("fmi2SetString", SET),
+    row("fmi2GetFMUstate", ANY),
+    row("fmi2SetFMUstate", ANY),
+    row("fmi2FreeFMUstate", ANY),
+    row("fmi2SerializedFMUstateSize", ANY),
+    row("fmi2SerializeFMUstate", ANY),
+    row("fmi2DeSerializeFMUstate", ANY),
+    row("fmi2DoStep", In(&[StepMode])),
+    row("fmi2GetStatus", STATUS_2),
+    row("fmi2GetRealStatus", STATUS_2),
+    row("fmi2GetIntegerStatus", STATUS_2),
+    row("fmi2GetBooleanStatus", STATUS_2),
+    row("fmi2GetStringStatus", STATUS_2),
+    row("fmi2CancelStep", NEVER_PENDING),
+    row("fmi2GetDirectionalDerivative", NO_DERIVATIVES),
+    row("fmi2SetRealInputDerivatives", NO_DERIVATIVES),
+    row("fmi2GetRealOutputDerivatives", NO_DERIVATIVES),
+    row("fmi2EnterEventMode", CO_SIMULATION_ONLY),
+    row("fmi2NewDiscreteStates", CO_SIMULATION_ONLY),
+    row("fmi2EnterContinuousTimeMode", CO_SIMULATION_ONLY),
+    row("fmi2CompletedIntegratorStep", CO_SIMULATION_ONLY),
+    row("fmi2SetTime", CO_SIMULATION_ONLY),
+    row("fmi2SetContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi2GetDerivatives", CO_SIMULATION_ONLY),
+    row("fmi2GetEventIndicators", CO_SIMULATION_ONLY),
+    row("fmi2GetContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi2GetNominalsOfContinuousStates", CO_SIMULATION_ONLY),
+    //
+    row("fmi3GetVersion", Always),
+    row("fmi3InstantiateCoSimulation", Always),
+    row("fmi3InstantiateModelExchange", Always),
+    row("fmi3InstantiateScheduledExecution", Always),
+    row("fmi3FreeInstance", ANY),
+    row("fmi3SetDebugLogging", ANY),
+    row("fmi3EnterInitializationMode", In(&[Instantiated])),
+    row("fmi3ExitInitializationMode", In(&[Initialization])),
+    row("fmi3Terminate", In(&[StepMode])),
+    row("fmi3Reset", ANY),
+    row("fmi3GetFloat32", GET_3),
+    row("fmi3GetFloat64", GET_3),
+    row("fmi3GetInt8", GET_3),
+    row("fmi3GetUInt8", GET_3),
+    row("fmi3GetInt16", GET_3),
+    row("fmi3GetUInt16", GET_3),
+    row("fmi3GetInt32", GET_3),
+    row("fmi3GetUInt32", GET_3),
+    row("fmi3GetInt64", GET_3),
+    row("fmi3GetUInt64", GET_3),
+    row("fmi3GetBoolean", GET_3),
+    row("fmi3GetString", GET_3),
+    row("fmi3GetBinary", GET_3),
+    row("fmi3SetFloat32", SET),
+    row("fmi3SetFloat64", SET),
+    row("fmi3SetInt8", SET),
+    row("fmi3SetUInt8", SET),
+    row("fmi3SetInt16", SET),
+    row("fmi3SetUInt16", SET),
+    row("fmi3SetInt32", SET),
+    row("fmi3SetUInt32", SET),
+    row("fmi3SetInt64", SET),
+    row("fmi3SetUInt64", SET),
+    row("fmi3SetBoolean", SET),
+    row("fmi3SetString", SET),
+    row("fmi3SetBinary", SET),
+    row("fmi3GetFMUState", ANY),
+    row("fmi3SetFMUState", ANY),
+    row("fmi3FreeFMUState", ANY),
+    row("fmi3SerializedFMUStateSize", ANY),
+    row("fmi3SerializeFMUState", ANY),
+    row("fmi3DeserializeFMUState", ANY),
+    row("fmi3DoStep", In(&[StepMode])),
+    row("fmi3EnterStepMode", NO_EVENTS),
+    row("fmi3EnterEventMode", NO_EVENTS),
+    row("fmi3EvaluateDiscreteStates", NO_EVENTS),
+    row("fmi3UpdateDiscreteStates", NO_EVENTS),
+    row("fmi3EnterConfigurationMode", NO_STRUCTURE),
+    row("fmi3ExitConfigurationMode", NO_STRUCTURE),
+    row("fmi3GetNumberOfVariableDependencies", NO_DEPENDENCIES),
+    row("fmi3GetVariableDependencies", NO_DEPENDENCIES),
+    row("fmi3GetDirectionalDerivative", NO_DERIVATIVES),
+    row("fmi3GetAdjointDerivative", NO_DERIVATIVES),
+    row("fmi3GetOutputDerivatives", NO_DERIVATIVES),
+    row("fmi3GetClock", NO_CLOCKS),
+    row("fmi3SetClock", NO_CLOCKS),
+    row("fmi3GetIntervalDecimal", NO_CLOCKS),
+    row("fmi3GetIntervalFraction", NO_CLOCKS),
+    row("fmi3GetShiftDecimal", NO_CLOCKS),
+    row("fmi3GetShiftFraction", NO_CLOCKS),
+    row("fmi3SetIntervalDecimal", NO_CLOCKS),
+    row("fmi3SetIntervalFraction", NO_CLOCKS),
+    row("fmi3SetShiftDecimal", NO_CLOCKS),
+    row("fmi3SetShiftFraction", NO_CLOCKS),
+    row("fmi3EnterContinuousTimeMode", CO_SIMULATION_ONLY),
+    row("fmi3CompletedIntegratorStep", CO_SIMULATION_ONLY),
+    row("fmi3SetTime", CO_SIMULATION_ONLY),
+    row("fmi3SetContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi3GetContinuousStateDerivatives", CO_SIMULATION_ONLY),
+    row("fmi3GetEventIndicators", CO_SIMULATION_ONLY),
+    row("fmi3GetContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi3GetNominalsOfContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi3GetNumberOfEventIndicators", CO_SIMULATION_ONLY),
+    row("fmi3GetNumberOfContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi3ActivateModelPartition", NOT_SCHEDULED),
+];
+
+/// The row of a function. Used in `const` blocks, so that a name missing from the table does not compile.
+pub const fn function(name: &str) -> &'static Function {
+    let mut i = 0;
+    while i < FUNCTIONS.len() {
+        if same(FUNCTIONS[i].name.as_bytes(), name.as_bytes()) {
+            return &FUNCTIONS[i];
+        }
+        i += 1;
+    }
+    panic!("no such function in the table")
+}
+
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+impl Function {
+    /// Whether the call is allowed in `state`.
+    ///
+    /// # Errors
+    /// [`FmiError::OutOfOrder`] or [`FmiError::Unsupported`].
+    pub fn check(&self, state: State) -> Result<(), FmiError> {
+        match &self.allowed {
+            Always => Ok(()),
+            In(states) if states.contains(&state) => Ok(()),
+            In(states) => {
+                let allowed = states.iter().map(State::to_string).collect::<Vec<_>>().join(", ");
+                Err(FmiError::OutOfOrder { function: self.name, state, allowed })
+            }
+            Never(why) => Err(FmiError::Unsupported { function: self.name, why }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The declarations `FMI2_Export fmi2GetRealTYPE fmi2GetReal;` of a header.
+    fn declared(header: &str, mark: &str) -> Vec<String> {
+        let lines =
+            header.lines().map(str::trim).filter(|line| line.starts_with(mark) && line.ends_with(';'));
+        lines.map(|line| line.trim_end_matches(';').split_whitespace().last().unwrap().to_owned()).collect()
+    }
+
+    #[test]
+    fn the_table_has_exactly_the_functions_of_the_headers() {
+        let mut wanted = declared(include_str!("../../../fmi-headers/2.0/fmi2Functions.h"), "FMI2_Export");
+        wanted.extend(declared(include_str!("../../../fmi-headers/3.0/fmi3Functions.h"), "FMI3_Export"));
+        let mut listed: Vec<String> = FUNCTIONS.iter().map(|function| function.name.to_owned()).collect();
+        wanted.sort();
+        listed.sort();
+        assert_eq!(listed, wanted);
+        assert!(wanted.len() > 100);
+    }
+
+    #[test]
+    fn a_refusal_names_function_state_and_what_is_allowed() {
+        let message = function("fmi2DoStep").check(State::Instantiated).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "fmi2DoStep is not allowed in the state Instantiated; it is allowed in Step Mode"
+        );
+    }
+}

@@ -1,0 +1,245 @@
+//! The variables of a model for one rig: which there are, and how values become a running controller or plant.
+
+use uuid::Uuid;
+
+use super::robot::{parameters, rig, rig_with_limits};
+use super::{Model, Running, controller, plant};
+use crate::error::FmiError;
+use crate::values::Values;
+use crate::variables::{Causality, Row};
+use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::robot::{Rig, RigFile, RobotParameters};
+
+/// A model's table of variables with the start values of a rig.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    model: Model,
+    rows: Vec<&'static Row>,
+    /// The rig, where its geometry is not the paper's parameters.
+    rig: Option<Rig>,
+    name: String,
+    cables: usize,
+    start: Values,
+    /// Row and position of each value reference.
+    places: Vec<Option<(usize, usize)>>,
+    token: String,
+}
+
+/// A scalar of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Scalar {
+    /// Its row.
+    pub row: &'static Row,
+    /// Its place in the row, from 0.
+    pub position: usize,
+    /// Its value reference.
+    pub reference: u32,
+}
+
+impl Scalar {
+    /// Its full name.
+    pub fn name(&self) -> String {
+        self.row.scalar_name(self.position)
+    }
+}
+
+impl Interface {
+    /// The model with the parameters of Table I.
+    pub(super) fn of_paper(model: Model) -> Self {
+        let rows = match model {
+            Model::Controller => controller::ROWS,
+            Model::Plant => plant::ROWS,
+        };
+        let mut start = Values::zero(rows, 6);
+        for row in rows {
+            for position in 0..row.count(6) {
+                start.put(row.reference(position), row.start_of(position).unwrap_or(0.0));
+            }
+        }
+        Self::new(model, rows.to_vec(), None, "Oh and Agrawal".to_owned(), start, 6)
+    }
+
+    /// The model with a rig's cables as parameters, and the rig's numbers as start values.
+    pub fn of_rig(model: Model, file: &RigFile) -> Self {
+        let rows = match model {
+            Model::Controller => controller::rows_of(&file.rig),
+            Model::Plant => plant::rows_of(),
+        };
+        let cables = file.rig.cables.len();
+        let mut start = Values::zero(&rows, cables);
+        for row in &rows {
+            for position in 0..row.count(cables) {
+                start.put(row.reference(position), row.start_of(position).unwrap_or(0.0));
+            }
+        }
+        match model {
+            Model::Controller => {
+                let of_rig = ControllerParameters::of(&file.rig);
+                let planner = PlannerKind::Exact;
+                let parameters =
+                    ControllerParameters { lambda: file.lambda, eta: file.eta, planner, ..of_rig };
+                controller::write_start(&parameters, &file.home, &mut start);
+            }
+            Model::Plant => plant::write_start(&file.rig, &file.home, &mut start),
+        }
+        Self::new(model, rows, Some(file.rig), file.name.clone(), start, cables)
+    }
+
+    fn new(
+        model: Model,
+        rows: Vec<&'static Row>,
+        rig: Option<Rig>,
+        name: String,
+        start: Values,
+        cables: usize,
+    ) -> Self {
+        let mut places = vec![];
+        for (k, row) in rows.iter().enumerate() {
+            for position in 0..row.count(cables) {
+                let reference = row.reference(position) as usize;
+                places.resize(places.len().max(reference + 1), None);
+                places[reference] = Some((k, position));
+            }
+        }
+        let of_rig = rig.map(|rig| format!("{name} {rig:?} {start:?}")).unwrap_or_default();
+        let table = format!("{} {} {rows:?}{of_rig}", model.identifier(), env!("CARGO_PKG_VERSION"));
+        let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string();
+        Self { model, rows, rig, name, cables, start, places, token }
+    }
+
+    /// Which model it is.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// The rig, where its geometry is not the paper's parameters.
+    pub fn rig(&self) -> Option<&Rig> {
+        self.rig.as_ref()
+    }
+
+    /// What people call the rig.
+    pub fn rig_name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of cables.
+    pub fn cables(&self) -> usize {
+        self.cables
+    }
+
+    /// The rows of the table.
+    pub fn rows(&self) -> &[&'static Row] {
+        &self.rows
+    }
+
+    /// The rows with this causality.
+    pub fn rows_with(&self, causality: Causality) -> impl Iterator<Item = &'static Row> {
+        self.rows.iter().copied().filter(move |row| row.causality == causality)
+    }
+
+    /// The scalars of a row.
+    pub fn scalars_of(&self, row: &'static Row) -> impl Iterator<Item = Scalar> + use<> {
+        let count = row.count(self.cables);
+        (0..count).map(move |position| Scalar { row, position, reference: row.reference(position) })
+    }
+
+    /// Every scalar, in the order of the table.
+    pub fn scalars(&self) -> impl Iterator<Item = Scalar> {
+        self.rows.iter().flat_map(|row| self.scalars_of(row))
+    }
+
+    /// The scalar that a value reference belongs to.
+    pub fn scalar(&self, reference: u32) -> Option<Scalar> {
+        let (row, position) = (*self.places.get(reference as usize)?)?;
+        Some(Scalar { row: self.rows[row], position, reference })
+    }
+
+    /// The scalar of this name.
+    pub fn named(&self, name: &str) -> Option<Scalar> {
+        self.scalars().find(|scalar| scalar.name() == name)
+    }
+
+    /// The start values; outputs are zero until they are calculated.
+    pub fn start(&self) -> &Values {
+        &self.start
+    }
+
+    /// Start value of a scalar; outputs have none.
+    pub fn start_of(&self, scalar: &Scalar) -> Option<f64> {
+        let has_one = matches!(scalar.row.causality, Causality::Parameter | Causality::Input);
+        has_one.then(|| self.start.at(scalar.reference))
+    }
+
+    /// The rows that an output depends on in Initialization Mode.
+    pub fn dependencies(&self, row: &'static Row) -> impl Iterator<Item = &'static Row> {
+        row.depends_on.iter().copied().filter(|known| self.rows.iter().any(|row| row.first == known.first))
+    }
+
+    /// GUID (FMI 2) and instantiation token (FMI 3): derived from the table and the rig, so that an XML and a library that do
+    /// not belong together are told apart.
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// One sentence for the XML.
+    pub fn description(&self) -> String {
+        match (self.model, self.rig) {
+            (Model::Controller, None) => {
+                "Controller and planner of a six-cable suspended robot: set points from which no cable goes slack".to_owned()
+            }
+            (Model::Plant, None) => {
+                "A rigid platform on six cables that pull and never push, with a rig's imperfections".to_owned()
+            }
+            (Model::Controller, Some(_)) => format!(
+                "Controller and planner of the cable robot {} ({} cables): set points from which no cable goes slack",
+                self.name, self.cables
+            ),
+            (Model::Plant, Some(_)) => format!(
+                "The platform of the cable robot {} on {} cables that pull and never push, with a rig's imperfections",
+                self.name, self.cables
+            ),
+        }
+    }
+
+    /// Starts the model with the parameters and inputs in `values`, and writes its first outputs there.
+    ///
+    /// # Errors
+    /// [`FmiError::Parameter`] naming the first parameter that makes no sense.
+    pub fn begin(&self, values: &mut Values, time: f64) -> Result<Running, FmiError> {
+        let running = match self.model {
+            Model::Controller => Running::Controller(controller::start(self, values, time)?),
+            Model::Plant => Running::Plant(plant::start(self, values)?),
+        };
+        running.write_outputs(values);
+        Ok(running)
+    }
+
+    /// What is allowed and yet deserves a warning.
+    pub fn warning(&self, values: &Values) -> Option<String> {
+        let [a, b, c] = match (&self.rig, self.model) {
+            (None, _) => {
+                let RobotParameters { i1, i2, i3, .. } = parameters(values);
+                [i1, i2, i3]
+            }
+            (Some(known), Model::Controller) => principal(&rig_with_limits(values, known)),
+            (Some(known), Model::Plant) => principal(&rig(values, known)),
+        };
+        let largest = a.max(b).max(c);
+        // With equality the body is flat: rounding does not make it impossible.
+        if 2.0 * largest <= (a + b + c) * (1.0 + 1e-12) {
+            return None;
+        }
+        let moments = match self.rig {
+            None => format!("I1 = {a}, I2 = {b}, I3 = {c} kg.m2"),
+            Some(_) => format!("principal moments of inertia of {a}, {b} and {c} kg.m2"),
+        };
+        Some(format!(
+            "{moments} cannot belong to a rigid body: the largest exceeds the sum of the other two. Table I of the paper is \
+             such a set; the equations accept it."
+        ))
+    }
+}
+
+fn principal(rig: &Rig) -> [f64; 3] {
+    rig.inertia.symmetric_eigenvalues().into()
+}

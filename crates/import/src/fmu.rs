@@ -1,0 +1,229 @@
+//! An FMU on disk: unpacked, described, its binary loaded.
+#![allow(unsafe_code)]
+
+use std::env::consts::{ARCH, DLL_SUFFIX, OS};
+use std::error::Error;
+use std::ffi::CString;
+use std::fs::{self, File};
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use tempfile::TempDir;
+use zip::ZipArchive;
+
+use super::fmi2::Slave2;
+use super::fmi3::Slave3;
+use super::log::LogSink;
+use super::slave::{Failure, Slave};
+use super::{CosimError, FmiVersion, Instance, LogCallback, ModelDescription};
+use cable_robot_bindings::{fmi2::Fmi2Library, fmi3::Fmi3Library};
+
+/// A co-simulation FMU, ready to be instantiated as often as wanted; it can be shared between threads.
+#[derive(Clone)]
+pub struct Fmu {
+    description: Arc<ModelDescription>,
+    // Dropped before the folder it was loaded from.
+    library: Library,
+    folder: Arc<TempDir>,
+}
+
+#[derive(Clone)]
+enum Library {
+    V2(Arc<Fmi2Library>),
+    V3(Arc<Fmi3Library>),
+}
+
+impl Fmu {
+    /// Unpacks the FMU into a temporary folder, which goes when the FMU and its instances are dropped, reads its
+    /// description and loads its binary.
+    ///
+    /// # Errors
+    /// [`CosimError`]: no zip archive, a description that is wrong, no binary for this machine, or one that cannot
+    /// be loaded.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, CosimError> {
+        let path = path.as_ref();
+        let fmu = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let folder = unpack(path).map_err(|reason| CosimError::Archive { path: path.to_owned(), reason })?;
+        let description = fs::read_to_string(folder.path().join("modelDescription.xml"))
+            .map_err(|e| e.to_string())
+            .and_then(|xml| ModelDescription::parse(&xml))
+            .map_err(|problem| CosimError::Description { fmu: fmu.clone(), problem })?;
+        let library = load(fmu, folder.path(), &description)?;
+        Ok(Self { description: Arc::new(description), library, folder: Arc::new(folder) })
+    }
+
+    /// What the FMU says of itself.
+    pub fn description(&self) -> &ModelDescription {
+        &self.description
+    }
+
+    /// A new instance with the start values of the description. Every message it logs goes to `log`; what it
+    /// complains of also stands in the error that follows.
+    ///
+    /// # Errors
+    /// [`CosimError::Instantiation`] with the FMU's reason, [`CosimError::MissingFunction`].
+    pub fn instantiate(&self, name: &str, log: LogCallback) -> Result<Instance, CosimError> {
+        let log = Arc::new(LogSink::new(name, log));
+        let failed = |failure| match failure {
+            Failure::Missing(function) => CosimError::MissingFunction { instance: name.to_owned(), function },
+            _ => CosimError::Instantiation { instance: name.to_owned(), said: log.take_complaints() },
+        };
+        let slave = self.slave(name, &log).map_err(failed)?;
+        Ok(Instance::new(name, self.clone(), slave, log))
+    }
+
+    fn slave(&self, name: &str, log: &Arc<LogSink>) -> Result<Rc<dyn Slave>, Failure> {
+        // No XML, path or name of a sane caller holds a zero byte.
+        let text = |text: &str| CString::new(text).map_err(|_| Failure::NoInstance);
+        let (name, token) = (text(name)?, text(&self.description.token)?);
+        let folder = self.folder.path().join("resources");
+        let log = Arc::clone(log);
+        Ok(match &self.library {
+            Library::V2(library) => {
+                let resources = text(&file_uri(&folder))?;
+                Rc::new(Slave2::new(Arc::clone(library), &name, &token, &resources, log)?)
+            }
+            Library::V3(library) => {
+                // FMI 3 wants a path with a trailing separator, which joining nothing adds.
+                let resources = text(&folder.join("").to_string_lossy())?;
+                Rc::new(Slave3::new(Arc::clone(library), &name, &token, &resources, log)?)
+            }
+        })
+    }
+}
+
+/// Unpacks into a new temporary folder; the reason if that fails.
+fn unpack(path: &Path) -> Result<TempDir, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let mut archive = ZipArchive::new(file).map_err(|e| e.to_string())?;
+    let parent = std::env::temp_dir().canonicalize().map_err(|e| e.to_string())?;
+    let folder = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent).map_err(|e| e.to_string())?;
+    archive.extract(folder.path()).map_err(|e| e.to_string())?;
+    // An FMU may come without, and is told the path all the same.
+    fs::create_dir_all(folder.path().join("resources")).map_err(|e| e.to_string())?;
+    Ok(folder)
+}
+
+/// Loads the binary for this machine.
+fn load(fmu: String, folder: &Path, description: &ModelDescription) -> Result<Library, CosimError> {
+    let wanted =
+        format!("binaries/{}/{}{DLL_SUFFIX}", platform(description.version), description.model_identifier);
+    let file = folder.join(&wanted);
+    if !file.is_file() {
+        return Err(CosimError::Platform { fmu, wanted, present: platforms(folder) });
+    }
+    // SAFETY: loading runs the binary's initialisers, which is what the caller asked for by opening this FMU. The
+    // bindings are generated from the standard's headers, so the signatures are those the FMU must have.
+    let loaded = unsafe {
+        match description.version {
+            FmiVersion::V2 => Fmi2Library::new(&file).map(|library| Library::V2(Arc::new(library))),
+            FmiVersion::V3 => Fmi3Library::new(&file).map(|library| Library::V3(Arc::new(library))),
+        }
+    };
+    loaded.map_err(|error| {
+        // The error itself says no more than "dlopen failed"; the reason is its source.
+        let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+        CosimError::Library { fmu, reason }
+    })
+}
+
+/// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3.
+pub fn platform(version: FmiVersion) -> String {
+    match (version, OS) {
+        (FmiVersion::V2, "macos") => "darwin64".to_owned(),
+        (FmiVersion::V2, "windows") => format!("win{}", usize::BITS),
+        (FmiVersion::V2, _) => format!("{OS}{}", usize::BITS),
+        (FmiVersion::V3, "macos") => format!("{ARCH}-darwin"),
+        (FmiVersion::V3, _) => format!("{ARCH}-{OS}"),
+    }
+}
+
+/// The folders below `binaries/`, sorted.
+fn platforms(folder: &Path) -> String {
+    let entries = fs::read_dir(folder.join("binaries")).into_iter().flatten().flatten();
+    let mut names: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// `file:///tmp/a%20b`: every byte but the unreserved ones of RFC 3986 and `/` is percent-encoded.
+fn file_uri(path: &Path) -> String {
+    let mut uri = String::from("file://");
+    for &byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                uri.push(byte.into())
+            }
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    /// A zip archive with these files.
+    fn archive(files: &[(&str, &[u8])]) -> tempfile::NamedTempFile {
+        let file = tempfile::Builder::new().suffix(".fmu").tempfile().expect("a temporary file");
+        let mut zip = zip::ZipWriter::new(file.reopen().expect("the same file"));
+        for (name, bytes) in files {
+            zip.start_file(*name, SimpleFileOptions::default()).expect("a new entry");
+            zip.write_all(bytes).expect("space on disk");
+        }
+        zip.finish().expect("a whole archive");
+        file
+    }
+
+    fn error_of(files: &[(&str, &[u8])]) -> String {
+        Fmu::open(archive(files).path()).err().expect("this FMU is broken").to_string()
+    }
+
+    const XML: &[u8] = br#"<fmiModelDescription fmiVersion="3.0" modelName="M" instantiationToken="t">
+        <CoSimulation modelIdentifier="M"/><ModelVariables/></fmiModelDescription>"#;
+
+    #[test]
+    fn uri_encodes_spaces_umlauts_and_percent() {
+        assert_eq!(file_uri(Path::new("/tmp/a b/ü%/x_1.~-")), "file:///tmp/a%20b/%C3%BC%25/x_1.~-");
+    }
+
+    #[test]
+    fn no_archive_is_named() {
+        let missing = Fmu::open("/no/such.fmu").err().expect("no such file").to_string();
+        assert!(missing.starts_with("/no/such.fmu cannot be opened as an FMU: "), "{missing}");
+        let text = tempfile::NamedTempFile::new().expect("a temporary file");
+        fs::write(text.path(), "no zip").expect("space on disk");
+        assert!(matches!(Fmu::open(text.path()), Err(CosimError::Archive { .. })));
+    }
+
+    #[test]
+    fn missing_description_is_named() {
+        let error = error_of(&[("binaries/x", b"")]);
+        assert!(error.contains(".fmu: modelDescription.xml: "), "{error}");
+    }
+
+    #[test]
+    fn missing_platform_lists_those_present() {
+        let error = error_of(&[
+            ("modelDescription.xml", XML),
+            ("binaries/riscv64-linux/M.so", b""),
+            ("binaries/riscv32-linux/M.so", b""),
+        ]);
+        let wanted =
+            format!("has no binary binaries/{ARCH}-{OS}/M{DLL_SUFFIX}; it has: riscv32-linux, riscv64-linux");
+        assert!(error.ends_with(&wanted), "{error}");
+    }
+
+    #[test]
+    fn a_binary_that_is_none_is_an_error() {
+        let binary = format!("binaries/{ARCH}-{OS}/M{DLL_SUFFIX}");
+        let error = error_of(&[("modelDescription.xml", XML), (&binary, b"no ELF")]);
+        assert!(error.contains("the binary cannot be loaded") && error.contains("file too short"), "{error}");
+    }
+}

@@ -1,0 +1,228 @@
+//! What the page's scripts draw: the robot, the plane, and the drawn rows of the history, as JSON.
+
+use serde::Serialize;
+
+use super::domains::domain;
+use super::explanation;
+use super::history::{History, status_name};
+use super::thinning::{drawn_rows, rounded};
+use cable_robot::plan::Status;
+use cable_robot::reach::{Slice, polygon, static_workspace};
+use cable_robot::robot::triangles::FACET_NORMALS;
+use cable_robot::robot::{Pose, Rig};
+
+/// Steps to the unit in which positions (m), angles (rad) and times (s) are given.
+const FINE: f64 = 1e6;
+/// Steps to a newton.
+const NEWTON: f64 = 1e4;
+/// More set points or goals than these are no longer told apart: the first ones are listed, and drawn is what the drawn rows show.
+pub const MANY: usize = 100;
+
+/// Points of the outline of a workspace that is no polygon known beforehand.
+const OUTLINE: usize = 180;
+
+/// Lengths in m, tensions in N, times in s, `row` an index into the drawn rows.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Data {
+    anchors: Vec<[f64; 3]>,
+    attachments: Vec<[f64; 3]>,
+    /// Whether gravity points against z.
+    z_up: bool,
+    /// Normals of the facets of the static workspace, of the paper's rig only.
+    normals: Vec<[f64; 2]>,
+    /// Both ends of each facet.
+    facets: Vec<[[f64; 2]; 2]>,
+    /// Distance of the facets from the middle.
+    apothem: f64,
+    /// Outline of the static workspace, and at which height it is drawn: of the paper's rig at that of the base, where p is.
+    workspace: Vec<[f64; 2]>,
+    workspace_height: f64,
+    limits: Limits,
+    /// Greatest tension measured.
+    tension_top: f64,
+    /// Names of the statuses from number 1 on.
+    statuses: [&'static str; 6],
+    /// Those active in a drawn row.
+    set_points: Vec<SetPoint>,
+    /// Number of the last set point.
+    last_set_point: usize,
+    /// More than [`MANY`]: drawn as a line.
+    many_set_points: bool,
+    /// Those that hold in a drawn row.
+    goals: Vec<Goal>,
+    /// From when to when a cable was slack.
+    slack_spans: Vec<[f64; 2]>,
+    rows: Rows,
+}
+
+#[derive(Serialize)]
+struct Limits {
+    min: f64,
+    /// None where nothing limits the tensions.
+    max: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct SetPoint {
+    number: usize,
+    row: usize,
+    pose: [f64; 6],
+    /// Outline of the domain that it was chosen from.
+    domain: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Serialize)]
+struct Goal {
+    row: usize,
+    pose: [f64; 6],
+}
+
+/// A column a quantity.
+#[derive(Serialize)]
+struct Rows {
+    time: Vec<f64>,
+    pose: [Vec<f64>; 6],
+    tension: Vec<Vec<f64>>,
+    predicted: Option<Vec<Vec<Option<f64>>>>,
+    /// Bit i is set where cable i + 1 is slack.
+    slack: Vec<u32>,
+    margin: Vec<f64>,
+    p: [Vec<Option<f64>>; 2],
+    status: Option<Vec<i32>>,
+}
+
+impl Data {
+    /// Of a history with at least one row.
+    pub fn new(history: &History) -> Self {
+        let (set_points, goals) = (history.set_point_rows(), history.goal_rows());
+        let drawn = shown(history, &set_points, &goals);
+        let place = |row: usize| drawn.partition_point(|k| *k < row);
+        let rig = &history.info.plant_parameters.rig;
+        let limits = history.info.controller_parameters.rig.common_limits();
+        let facets = history.paper.map_or(vec![], |_| FACET_NORMALS.to_vec());
+        let apothem = history.paper.map_or(0.0, |robot| robot.a / 2.0);
+        let (workspace, workspace_height) = workspace(history, rig);
+        let chosen = |i: usize| SetPoint {
+            number: i,
+            row: place(set_points[i]),
+            pose: shortened(&history.set_point[set_points[i]]),
+            domain: (1..MANY)
+                .contains(&i)
+                .then(|| domain(history, set_points[i - 1], set_points[i]))
+                .flatten()
+                .map(|outline| outline.iter().map(|point| point.map(|x| rounded(x, FINE))).collect()),
+        };
+        let goal = |i: usize| Goal { row: place(goals[i]), pose: shortened(&history.goal[goals[i]]) };
+        let tension = history.run.tension.iter().flatten();
+        Self {
+            anchors: rig.cables.iter().map(|cable| cable.anchor.into()).collect(),
+            attachments: rig.cables.iter().map(|cable| cable.attachment.into()).collect(),
+            z_up: rig.gravity.z < 0.0,
+            normals: facets.iter().map(|normal| (*normal).into()).collect(),
+            facets: facets.iter().map(|normal| facet((*normal).into(), apothem)).collect(),
+            apothem,
+            workspace,
+            workspace_height,
+            limits: Limits { min: limits.min, max: limits.max.is_finite().then_some(limits.max) },
+            tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
+            statuses: Status::ALL.map(status_name),
+            set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
+            last_set_point: set_points.len() - 1,
+            many_set_points: set_points.len() > MANY,
+            goals: active(&goals, &drawn).into_iter().map(goal).collect(),
+            slack_spans: slack_spans(history),
+            rows: Rows::new(history, &drawn),
+        }
+    }
+
+    /// How many rows are drawn.
+    pub fn rows(&self) -> usize {
+        self.rows.time.len()
+    }
+}
+
+impl Rows {
+    fn new(history: &History, drawn: &[usize]) -> Self {
+        let run = &history.run;
+        let of = |column: &[f64], steps| drawn.iter().map(|row| rounded(column[*row], steps)).collect();
+        let points: Vec<_> = drawn.iter().map(|row| explanation::moving_point(history, *row)).collect();
+        let mask =
+            |row: &usize| (0..run.slack.len()).map(|i| u32::from(run.slack[i][*row] != 0.0) << i).sum();
+        let newtons = |u: Vec<Option<f64>>| u.iter().map(|u| u.map(|u| rounded(u, NEWTON))).collect();
+        let cables = run.tension.len();
+        Self {
+            time: of(&run.times, FINE),
+            pose: std::array::from_fn(|k| {
+                drawn.iter().map(|row| rounded(history.pose[*row].0[k], FINE)).collect()
+            }),
+            tension: run.tension.iter().map(|column| of(column, NEWTON)).collect(),
+            predicted: explanation::predicted(history, drawn)
+                .map(|rows| explanation::columns(&rows, cables).into_iter().map(newtons).collect()),
+            slack: drawn.iter().map(mask).collect(),
+            margin: of(&run.tension_margin, NEWTON),
+            p: [0, 1].map(|k| points.iter().map(|p| p.map(|p| rounded(p[k], FINE))).collect()),
+            status: history.status.as_ref().map(|status| drawn.iter().map(|row| status[*row]).collect()),
+        }
+    }
+}
+
+/// Which of what begins at the rows `starts` hold at one of the rows `drawn`, in order.
+fn active(starts: &[usize], drawn: &[usize]) -> Vec<usize> {
+    let mut active: Vec<_> =
+        drawn.iter().map(|row| starts.partition_point(|start| start <= row) - 1).collect();
+    active.dedup();
+    active
+}
+
+/// The rows that are drawn: new set points and goals, unless there are [`MANY`], and the instants before them, changes of slack, extremes.
+fn shown(history: &History, set_points: &[usize], goals: &[usize]) -> Vec<usize> {
+    let run = &history.run;
+    let coordinates: [Vec<f64>; 6] =
+        std::array::from_fn(|k| history.pose.iter().map(|pose| pose.0[k]).collect());
+    let columns = coordinates.iter().chain(&run.tension).chain(&run.slack).chain([&run.tension_margin]);
+    let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
+    let jumps = [set_points, goals].into_iter().filter(|rows| rows.len() <= MANY).flatten();
+    let also: Vec<usize> = jumps.flat_map(|row| [row.saturating_sub(1), *row]).collect();
+    drawn_rows(history.len(), &columns, &also)
+}
+
+/// Times with a slack cable; what is nearer together than a thousandth of the run is one.
+fn slack_spans(history: &History) -> Vec<[f64; 2]> {
+    let times = &history.run.times;
+    let apart = (times[times.len() - 1] - times[0]) / 1e3;
+    let mut spans: Vec<[f64; 2]> = vec![];
+    for row in (0..times.len()).filter(|row| history.is_slack(*row)) {
+        match spans.last_mut() {
+            Some(last) if times[row] - last[1] <= apart => last[1] = times[row],
+            _ => spans.push([times[row]; 2]),
+        }
+    }
+    spans
+}
+
+/// Outline of the static workspace, and the height at which it is drawn, m: of the paper's rig the hexagon (16), in the base plane; of others
+/// the border round the last pose, at its height and orientation. Nothing if the platform cannot be held there.
+fn workspace(history: &History, rig: &Rig) -> (Vec<[f64; 2]>, f64) {
+    if let Some(robot) = &history.paper {
+        let hexagon = polygon(&static_workspace(robot), 2.0 * robot.a);
+        return (hexagon.iter().map(|vertex| (*vertex).into()).collect(), 0.0);
+    }
+    let last = &history.set_point[history.len() - 1];
+    let (middle, height) = (last.position().xy(), last.0[2]);
+    let slice = Slice { rig, height, angles: last.angles() };
+    if slice.margin(&middle) < 0.0 {
+        return (vec![], height);
+    }
+    (slice.boundary(&middle, OUTLINE).into_iter().map(Into::into).collect(), height)
+}
+
+/// Both ends of the side of a regular hexagon whose outward normal this is.
+fn facet(normal: [f64; 2], apothem: f64) -> [[f64; 2]; 2] {
+    let half = apothem / 3f64.sqrt();
+    [half, -half].map(|s| [normal[0] * apothem - normal[1] * s, normal[1] * apothem + normal[0] * s])
+}
+
+fn shortened(pose: &Pose) -> [f64; 6] {
+    std::array::from_fn(|k| rounded(pose.0[k], FINE))
+}

@@ -1,0 +1,168 @@
+//! The report's facts: what was run and with what, and what came of it, in words.
+
+use super::Summary;
+use super::history::History;
+use super::run_folder::Model;
+use cable_robot::plan::{PlannerKind, PoseSource};
+use cable_robot::robot::{Pose, Rig};
+
+/// More goals than these are counted only.
+const MOST_GOALS: usize = 10;
+
+/// What was run and with what, and what came of it.
+pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)> {
+    let info = history.info;
+    let (controller, plant) = (&info.controller_parameters, &info.plant_parameters);
+    let gains = controller.gains();
+    let planner = match controller.planner {
+        PlannerKind::Bounded => "reachable domain (15)",
+        PlannerKind::Exact => "exact domain",
+    };
+    let source = match controller.pose_source {
+        PoseSource::EncoderPose => "the encoders' pose",
+        PoseSource::CableLengths => "the cable lengths",
+    };
+    let ends = |column: &[f64]| (column[0], column[column.len() - 1]);
+    let (start, end) = ends(&history.run.times);
+    let mut facts = vec![
+        ("Controller", model(&info.controller)),
+        ("Plant", model(&info.plant)),
+        ("Rig", info.rig.clone()),
+        ("Robot", robot(history)),
+        (
+            "Law (4)",
+            format!(
+                "λ = {} 1/s, η = {} 1/s: ω = {:.3} 1/s, ξ = {:.3}; reads {source}; load-cell force loop {}",
+                gains.lambda,
+                gains.eta,
+                gains.omega_n(),
+                gains.xi(),
+                if controller.force_loop { "closed" } else { "open" }
+            ),
+        ),
+        (
+            "Planner",
+            format!("{planner}, T_s = {} s, N = {}", controller.planner_period, controller.bisection_steps),
+        ),
+        ("Tension limits", limits(&controller.rig)),
+        (
+            "Imperfections",
+            format!(
+                "friction {} N, motor lag {} s, encoder resolution {} m, load-cell noise {} N (seed {})",
+                plant.friction,
+                plant.motor_lag,
+                plant.encoder_resolution,
+                plant.load_cell_noise,
+                plant.noise_seed
+            ),
+        ),
+        (
+            "Disturbance",
+            match history.disturbance {
+                [0.0, 0.0] => "none".to_owned(),
+                [force, torque] => format!("up to {force:.3} N and {torque:.3} N m"),
+            },
+        ),
+        ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, history.len())),
+        ("Written by", format!("cable-robot {}", info.program_version)),
+    ];
+    if let Some(scenario) = &info.scenario {
+        facts.insert(0, ("Scenario", scenario.clone()));
+    }
+    let smallest = summary.smallest_tension.map_or("none recorded".to_owned(), |s| s.to_string());
+    let last = history.len() - 1;
+    let missed = history.pose[last].minus(&history.goal[last]);
+    let from =
+        if history.goals().is_empty() { "From the start at the end" } else { "From the goal at the end" };
+    facts.extend(goals(history));
+    facts.extend([
+        ("Smallest tension", smallest),
+        ("Slack cables", slack(history)),
+        (from, format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
+    ]);
+    facts
+}
+
+/// Table I, or mass and number of cables.
+fn robot(history: &History) -> String {
+    let rig = &history.info.plant_parameters.rig;
+    match &history.paper {
+        Some(robot) => format!(
+            "a = {} m, b = {} m, m = {} kg, I = ({}, {}, {}) kg m², g = {} m/s²",
+            robot.a, robot.b, robot.m, robot.i1, robot.i2, robot.i3, robot.g
+        ),
+        None => {
+            let [x, y, z] = [0, 1, 2].map(|k| rig.inertia[(k, k)]);
+            format!(
+                "{} cables, m = {} kg, I = ({x}, {y}, {z}) kg m², g = {:.4} m/s²",
+                rig.cables.len(),
+                rig.mass,
+                rig.gravity.norm()
+            )
+        }
+    }
+}
+
+/// The limits of all cables, the tightest where they differ.
+pub fn limits(rig: &Rig) -> String {
+    let common = rig.common_limits();
+    let differ =
+        if rig.limits().iter().all(|limits| *limits == common) { "" } else { ", the tightest of all cables" };
+    match common.max.is_finite() {
+        true => format!("{} to {} N{differ}", common.min, common.max),
+        false => format!("{} N and more{differ}", common.min),
+    }
+}
+
+fn model(model: &Model) -> String {
+    match model {
+        Model::Library => "the library's own".to_owned(),
+        Model::Rig => "a rig with drives and load cells".to_owned(),
+        Model::Fmu { path, name, fmi_version } => {
+            format!("{name}, FMI {fmi_version}, {}", path.display())
+        }
+    }
+}
+
+/// A row a goal; of more than [`MOST_GOALS`] the first ones.
+fn goals(history: &History) -> Vec<(&'static str, String)> {
+    let goals = history.goals();
+    let mut rows: Vec<_> =
+        goals.iter().take(MOST_GOALS).map(|goal| ("Goal", arrival(history, goal))).collect();
+    if goals.len() > MOST_GOALS {
+        rows.push(("Goals", first_of(MOST_GOALS, goals.len(), "goals")));
+    }
+    rows
+}
+
+/// What is said below a list that ends before its time.
+pub fn first_of(listed: usize, count: usize, what: &str) -> String {
+    format!("The first {listed} of {count} {what} are listed; run.csv has all.")
+}
+
+/// When a goal was given and how long the robot took.
+fn arrival(history: &History, (row, reached): &(usize, Option<f64>)) -> String {
+    let given = history.run.times[*row];
+    let after = reached.map_or("not reached".to_owned(), |time| format!("reached after {time:.3} s"));
+    format!("{} given at {given:.3} s: {after}", pose(&history.goal[*row]))
+}
+
+/// Position in m, and angles in rad if there are any.
+fn pose(pose: &Pose) -> String {
+    let [p, angles] = [pose.position(), pose.angles()].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
+    if pose.angles().amax() == 0.0 { format!("{p} m") } else { format!("{p} m, turned {angles} rad") }
+}
+
+/// Each slack cable with its first time and for how long.
+fn slack(history: &History) -> String {
+    let times = &history.run.times;
+    let of = |i: usize| {
+        let column = &history.run.slack[i];
+        let first = column.iter().position(|value| *value != 0.0)?;
+        let total: f64 =
+            (1..times.len()).filter(|k| column[*k] != 0.0).map(|k| times[k] - times[k - 1]).sum();
+        Some(format!("cable {} from {:.3} s, {total:.3} s in all", i + 1, times[first]))
+    };
+    let cables: Vec<_> = (0..history.run.slack.len()).filter_map(of).collect();
+    if cables.is_empty() { "none".to_owned() } else { cables.join("; ") }
+}

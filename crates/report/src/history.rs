@@ -1,0 +1,140 @@
+//! The columns of a run folder as poses and rates.
+
+use super::{Run, RunFolder, RunInfo, Table, TableError};
+use cable_robot::plan::Status;
+use cable_robot::robot::{Coordinates, Pose, RobotParameters, Shape};
+
+/// The six components of a pose, as the columns call them.
+const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
+
+/// A recorded run, row by row.
+pub struct History<'a> {
+    /// What was run.
+    pub info: &'a RunInfo,
+    /// The paper's robot, if the plant is that and stands where the paper's does.
+    pub paper: Option<RobotParameters>,
+    /// Its plain columns.
+    pub run: Run,
+    /// The platform.
+    pub pose: Vec<Pose>,
+    /// What the set point was.
+    pub set_point: Vec<Pose>,
+    /// Where the robot was told to go.
+    pub goal: Vec<Pose>,
+    /// What the controller believed of pose and rates; `None` if it did not say.
+    pub estimate: Option<Vec<(Pose, Coordinates)>>,
+    /// Numbers of [`Status`]; `None` if the controller did not say.
+    pub status: Option<Vec<i32>>,
+    /// Greatest disturbing force and torque, N and N m.
+    pub disturbance: [f64; 2],
+}
+
+impl<'a> History<'a> {
+    /// Reads the columns. A controller from elsewhere may say less than ours; the goal is then the set point.
+    ///
+    /// # Errors
+    /// [`TableError::Missing`]: a column that is needed is not there.
+    pub fn new(folder: &'a RunFolder) -> Result<Self, TableError> {
+        let table = &folder.table;
+        let goal = poses(table, "controller.goalPose")?;
+        let says = |name: &str| table.get(&format!("controller.{name}.x")).is_some();
+        let estimate = if says("estimatedPose") && says("estimatedVelocity") && says("setPoint") {
+            let rates = poses(table, "controller.estimatedVelocity")?.into_iter().map(|rates| rates.0);
+            Some(poses(table, "controller.estimatedPose")?.into_iter().zip(rates).collect())
+        } else {
+            None
+        };
+        Ok(Self {
+            info: &folder.info,
+            paper: Shape::of(&folder.info.plant_parameters.rig)
+                .ok()
+                .filter(Shape::is_in_place)
+                .map(|shape| shape.robot),
+            run: folder.run()?,
+            pose: poses(table, "plant.encoderPose")?,
+            set_point: if says("setPoint") { poses(table, "controller.setPoint")? } else { goal.clone() },
+            goal,
+            estimate,
+            status: table.get("controller.status").map(|column| column.iter().map(|s| *s as i32).collect()),
+            disturbance: ["plant.disturbanceForce", "plant.disturbanceTorque"]
+                .map(|name| greatest(table, name)),
+        })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.run.times.len()
+    }
+
+    /// Whether the law (4) was at work: neither disabled nor at fault.
+    pub fn law_at_work(&self, row: usize) -> bool {
+        let idle = [Status::Disabled as i32, Status::SensorFault as i32];
+        self.status.as_ref().is_none_or(|status| !idle.contains(&status[row]))
+    }
+
+    /// The first row, and each that has another set point than the row before.
+    pub fn set_point_rows(&self) -> Vec<usize> {
+        let index = &self.run.set_point_index;
+        let is_new = |row: usize| {
+            row == 0 || index[row] != index[row - 1] || self.set_point[row] != self.set_point[row - 1]
+        };
+        (0..self.len()).filter(|row| is_new(*row)).collect()
+    }
+
+    /// The first row, and each that has another goal than the row before.
+    pub fn goal_rows(&self) -> Vec<usize> {
+        (0..self.len()).filter(|row| *row == 0 || self.goal[*row] != self.goal[*row - 1]).collect()
+    }
+
+    /// For each goal the row in which it was given, and after how long the robot rested at it, s. To hold the start is no goal.
+    pub fn goals(&self) -> Vec<(usize, Option<f64>)> {
+        let holds_start = |row: &usize| *row == 0 && self.goal[0] == self.info.plant_parameters.initial_pose;
+        let given: Vec<_> = self.goal_rows().into_iter().filter(|row| !holds_start(row)).collect();
+        let ends = given.iter().skip(1).copied().chain([self.len()]);
+        let reached = |(start, end): (usize, usize)| {
+            let row = (start..end).find(|row| self.run.at_goal[*row] != 0.0)?;
+            Some(self.run.times[row] - self.run.times[start])
+        };
+        given.iter().zip(ends).map(|(start, end)| (*start, reached((*start, end)))).collect()
+    }
+
+    /// What the controller said last; `None` if it did not say.
+    pub fn last_status(&self) -> Option<Status> {
+        let number = *self.status.as_ref()?.last()?;
+        Status::ALL.into_iter().find(|status| *status as i32 == number)
+    }
+
+    /// Whether any cable is slack.
+    pub fn is_slack(&self, row: usize) -> bool {
+        self.run.slack.iter().any(|cable| cable[row] != 0.0)
+    }
+}
+
+/// A status in words.
+pub fn status_name(status: Status) -> &'static str {
+    match status {
+        Status::Disabled => "disabled",
+        Status::Holding => "holding",
+        Status::Moving => "moving",
+        Status::AtGoal => "at the goal",
+        Status::GoalUnreachable => "goal unreachable",
+        Status::SensorFault => "sensor fault",
+    }
+}
+
+fn poses(table: &Table, name: &str) -> Result<Vec<Pose>, TableError> {
+    let mut poses = vec![Pose(Coordinates::zeros()); table.rows()];
+    for (k, axis) in POSE.iter().enumerate() {
+        let column = table.column(&format!("{name}.{axis}"))?;
+        poses.iter_mut().zip(column).for_each(|(pose, value)| pose.0[k] = *value);
+    }
+    Ok(poses)
+}
+
+/// The greatest length of a vector in the table; 0 if it is not there.
+fn greatest(table: &Table, name: &str) -> f64 {
+    let columns = ["x", "y", "z"].map(|axis| table.get(&format!("{name}.{axis}")).unwrap_or_default());
+    let rows = columns.iter().map(|column| column.len()).min().unwrap_or(0);
+    let length = |row: usize| columns.iter().map(|column| column[row] * column[row]).sum::<f64>().sqrt();
+    (0..rows).map(length).fold(0.0, f64::max)
+}

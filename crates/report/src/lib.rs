@@ -1,0 +1,74 @@
+//! What a person looks at: a run folder, and one HTML file of it, which opens offline by double click.
+//!
+//! `page/` holds the page's text, style and scripts; what they draw is reckoned in `data` and lies in the page as JSON.
+
+mod closed_loop;
+mod data;
+mod domains;
+mod explanation;
+pub mod facts;
+pub mod files;
+mod history;
+mod page;
+pub mod recording;
+mod run;
+pub mod run_folder;
+pub mod table;
+mod thinning;
+
+pub use closed_loop::ClosedLoop;
+pub use page::html;
+pub use recording::Recording;
+pub use run::{Run, SetPoint, SmallestTension, Summary};
+pub use run_folder::{RunFolder, RunFolderError, RunInfo};
+pub use table::{Table, TableError};
+
+#[cfg(test)]
+mod tests {
+    use super::run_folder::{FORMAT, Model};
+    use super::*;
+    use cable_robot::plan::{ControllerParameters, PlannerKind};
+    use cable_robot::robot::Pose;
+    use cable_robot::sim::{ClosedLoop, Goal, PlantParameters, Scenario};
+
+    /// From (0, 0, 1) to (0.1, 0.1, 1) and on to (-0.1, 0.05, 1), on an ideal rig or a noisy one.
+    pub(super) fn run(planner: PlannerKind, duration: f64, noise: f64) -> RunFolder {
+        let controller = ControllerParameters { planner, ..Default::default() };
+        let plant = PlantParameters { load_cell_noise: noise, ..Default::default() };
+        let goal = |time: f64, x: f64, y: f64| Goal { time, pose: Pose::at(x, y, 1.0) };
+        let scenario = Scenario {
+            title: "A & B </script>".to_owned(),
+            rig: "Table I".to_owned(),
+            controller,
+            plant,
+            goals: vec![goal(0.0, 0.1, 0.1), goal(0.75 * duration, -0.1, 0.05)],
+            disturbances: vec![],
+            duration,
+            step: 1e-3,
+        };
+        record(&scenario)
+    }
+
+    pub(super) fn record(scenario: &Scenario) -> RunFolder {
+        let mut closed_loop = ClosedLoop::new(scenario).unwrap();
+        let mut recording = Recording::new(scenario.plant.rig.cables.len());
+        recording.push(closed_loop.moment()).unwrap();
+        for _ in 0..(scenario.duration / scenario.step).round() as usize {
+            closed_loop.step().unwrap();
+            recording.push(closed_loop.moment()).unwrap();
+        }
+        let info = RunInfo {
+            format: FORMAT,
+            program_version: "0.1.0".to_owned(),
+            title: scenario.title.clone(),
+            scenario: None,
+            controller: Model::Library,
+            plant: Model::Library,
+            rig: scenario.rig.clone(),
+            step: scenario.step,
+            controller_parameters: scenario.controller,
+            plant_parameters: scenario.plant,
+        };
+        RunFolder { info, table: recording.into_table() }
+    }
+}

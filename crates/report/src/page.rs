@@ -1,0 +1,254 @@
+//! The page: texts, tables, style, scripts and data in one file that fetches nothing.
+
+use std::fmt::Display;
+
+use quick_xml::escape::escape;
+
+use super::data::{Data, MANY};
+use super::facts::{facts, first_of, limits};
+use super::history::{History, status_name};
+use super::{RunFolder, Summary, TableError};
+use cable_robot::plan::{PlannerKind, Status};
+
+const TEMPLATE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+const SCRIPTS: [&str; 4] = [
+    include_str!("page/scene.js"),
+    include_str!("page/plane.js"),
+    include_str!("page/charts.js"),
+    include_str!("page/page.js"),
+];
+const UPLOT: &str = include_str!("page/uplot/uPlot.iife.min.js");
+const UPLOT_LICENCE: &str = include_str!("page/uplot/LICENSE");
+const UPLOT_STYLE: &str = include_str!("page/uplot/uPlot.min.css");
+
+/// The report of a run: one HTML file that stands alone. It draws some of the rows, extremes among them; the CSV file has all.
+///
+/// # Errors
+/// [`TableError::Missing`]: a column that is needed is not there.
+pub fn html(folder: &RunFolder) -> Result<String, TableError> {
+    let history = History::new(folder)?;
+    let summary = history.run.summary();
+    let data = Data::new(&history);
+    let turned = history.set_point.iter().any(|pose| pose.angles().amax() > 5e-5);
+    let places = [
+        ("title", escape(&folder.info.title).into_owned()),
+        ("verdict", verdict(&history, &summary)),
+        ("facts", table(&facts(&history, &summary))),
+        ("set_points", set_points(&history, turned)),
+        ("more_set_points", more_set_points(&history)),
+        ("angle_heads", angle_heads(turned).to_owned()),
+        ("domain_key", domain_key(&history).to_owned()),
+        ("p_source", p_source(&history).to_owned()),
+        ("limits", limits(&history.info.controller_parameters.rig)),
+        ("drawn", drawn(data.rows(), history.len())),
+        ("uplot_css", UPLOT_STYLE.to_owned()),
+        ("css", STYLE.to_owned()),
+        ("data", script_safe(&serde_json::to_string(&data).unwrap_or_default())),
+        ("uplot_licence", UPLOT_LICENCE.to_owned()),
+        ("uplot_js", UPLOT.to_owned()),
+        ("js", SCRIPTS.concat()),
+    ];
+    Ok(filled(TEMPLATE, &places))
+}
+
+/// The template with each `{{name}}` replaced; what is put in is not looked at again.
+fn filled(template: &str, places: &[(&str, String)]) -> String {
+    let mut parts = template.split("{{");
+    let mut page = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
+        if let Some((_, text)) = places.iter().find(|(place, _)| *place == name) {
+            page += text;
+        }
+        page += rest;
+    }
+    page
+}
+
+/// JSON in which no `</script>` can end the element that it lies in.
+fn script_safe(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+/// What came of the run, in a few words each; what is bad is marked.
+fn verdict(history: &History, summary: &Summary) -> String {
+    let item = |bad: bool, name: &str, value: &dyn Display| {
+        let class = if bad { " class=\"bad\"" } else { "" };
+        format!("<li{class}>{name} <b>{}</b></li>\n", escape(value.to_string()))
+    };
+    let mut list = String::new();
+    let goals = history.goals();
+    let reached = goals.iter().filter(|(_, time)| time.is_some()).count();
+    list += &match goals.as_slice() {
+        [] => item(false, "goal", &"none given"),
+        [(_, Some(time))] => item(false, "at the goal after", &format!("{time:.3} s")),
+        [(_, None)] => item(true, "goal", &"not reached"),
+        many => item(reached < many.len(), "goals reached", &format!("{reached} of {}", many.len())),
+    };
+    if let Some(smallest) = summary.smallest_tension {
+        list += &item(smallest.value <= 0.0, "smallest tension", &smallest);
+    }
+    list += &match summary.slack {
+        Some((cable, time)) => item(true, "slack", &format!("cable {cable}, first at {time:.3} s")),
+        None => item(false, "slack cables", &"none"),
+    };
+    let steps = history.set_point_rows().len() - 1;
+    list += &item(false, "set points", &steps);
+    if let Some(status) = history.last_status() {
+        let is_bad = matches!(status, Status::GoalUnreachable | Status::SensorFault);
+        list += &item(is_bad, "status at the end", &status_name(status));
+    }
+    list
+}
+
+fn domain_key(history: &History) -> &'static str {
+    match history.info.controller_parameters.planner {
+        PlannerKind::Bounded => "domain (15) that the active set point was chosen from",
+        PlannerKind::Exact => "exact domain that the active set point was chosen from",
+    }
+}
+
+fn p_source(history: &History) -> &'static str {
+    if history.estimate.is_some() {
+        "Its acceleration is the one that the law (4) demands of the recorded estimate."
+    } else {
+        "The controller tells no estimate, so it is found from the measured tensions."
+    }
+}
+
+fn drawn(drawn: usize, rows: usize) -> String {
+    if drawn == rows {
+        format!("All {rows} rows of run.csv are drawn.")
+    } else {
+        format!("{drawn} of the {rows} rows of run.csv are drawn, with the extremes of every curve.")
+    }
+}
+
+/// Rows of name and value.
+fn table(rows: &[(&str, String)]) -> String {
+    rows.iter()
+        .map(|(name, value)| {
+            format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(*name), escape(value))
+        })
+        .collect()
+}
+
+fn angle_heads(turned: bool) -> &'static str {
+    if turned {
+        "<th scope=\"col\">roll (rad)</th><th scope=\"col\">pitch (rad)</th><th scope=\"col\">yaw (rad)</th>"
+    } else {
+        ""
+    }
+}
+
+fn more_set_points(history: &History) -> String {
+    let count = history.set_point_rows().len();
+    if count > MANY { first_of(MANY, count, "set points") } else { String::new() }
+}
+
+/// Rows of number, time and pose of the first [`MANY`]; angles if there are any.
+fn set_points(history: &History, turned: bool) -> String {
+    let row = |(i, row): (usize, &usize)| {
+        let pose = &history.set_point[*row].0;
+        let cells = pose.iter().take(if turned { 6 } else { 3 });
+        let cells: String =
+            cells.map(|value| format!("<td>{:.4}</td>", (value * 1e4).round() / 1e4 + 0.0)).collect();
+        format!("<tr><td>{i}</td><td>{:.3}</td>{cells}</tr>\n", history.run.times[*row])
+    };
+    history.set_point_rows().iter().take(MANY).enumerate().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Table;
+    use crate::tests::run;
+    use cable_robot::sim::Scenario;
+
+    #[test]
+    fn twenty_noisy_seconds_stay_small_and_stand_alone() {
+        let page = html(&run(PlannerKind::Exact, 20.0, 0.5)).unwrap();
+        assert!(page.len() < 6_000_000, "{} bytes", page.len());
+        for fetched in ["src=", "@import", "url(", "<link rel=\"stylesheet"] {
+            assert!(!page.contains(fetched), "{fetched}");
+        }
+        assert_eq!(page.matches("</script>").count(), 3, "no text ends a script");
+        assert!(!page.contains("{{"), "every place is filled");
+        assert!(page.contains("Copyright (c) 2022 Leon Sorokin"), "uPlot's licence goes with it");
+    }
+
+    /// The table with each value changed by its column's name, its row and itself.
+    fn changed(table: &Table, change: impl Fn(&str, usize, f64) -> f64) -> Table {
+        let mut changed = Table::new(table.names()[1..].iter().cloned());
+        let columns: Vec<_> = table.names().iter().map(|name| (name, table.column(name).unwrap())).collect();
+        for row in 0..table.rows() {
+            let values: Vec<f64> =
+                columns[1..].iter().map(|(name, column)| change(name, row, column[row])).collect();
+            changed.push(columns[0].1[row], &values);
+        }
+        changed
+    }
+
+    #[test]
+    fn a_set_point_and_a_goal_at_each_step_of_twenty_noisy_seconds_stay_small() {
+        let mut folder = run(PlannerKind::Bounded, 20.0, 0.5);
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.setPointIndex" => row as f64,
+            "controller.setPoint.x" | "controller.goalPose.x" => 0.1 * (row as f64 / 3e3).sin(),
+            _ => value,
+        });
+        let page = html(&folder).unwrap();
+        assert!(page.len() < 6_000_000, "{} bytes", page.len());
+        assert!(page.contains("set points <b>20000</b>"));
+        assert!(page.matches("<tr>").count() < 300, "{} rows of tables", page.matches("<tr>").count());
+        assert!(page.contains("The first 100 of 20001 set points"));
+        assert!(page.contains("The first 10 of 20001 goals"));
+    }
+
+    #[test]
+    fn without_a_goal_none_was_reached_and_the_last_status_is_said() {
+        let mut folder = crate::tests::record(&Scenario {
+            title: "thrown".to_owned(),
+            rig: String::new(),
+            controller: Default::default(),
+            plant: Default::default(),
+            goals: vec![],
+            disturbances: vec![],
+            duration: 0.1,
+            step: 0.01,
+        });
+        let page = html(&folder).unwrap();
+        assert!(page.contains("<li>goal <b>none given</b></li>"));
+        assert!(page.contains("<li>status at the end <b>at the goal</b></li>"));
+        assert!(!page.contains("at the goal after") && !page.contains(" given at "));
+        assert!(page.contains("From the start at the end"));
+
+        folder.table = changed(&folder.table, |name, row, value| match name {
+            "controller.status" if row > 3 => f64::from(Status::SensorFault as i32),
+            _ => value,
+        });
+        assert!(
+            html(&folder).unwrap().contains("<li class=\"bad\">status at the end <b>sensor fault</b></li>")
+        );
+    }
+
+    #[test]
+    fn text_is_escaped_and_results_are_there() {
+        let page = html(&run(PlannerKind::Bounded, 8.0, 0.0)).unwrap();
+        assert!(page.contains("<h1>A &amp; B &lt;/script&gt;</h1>"));
+        assert!(page.contains("<li class=\"bad\">goals reached <b>1 of 2</b></li>"));
+        assert!(page.contains("(0.1, 0.1, 1) m given at 0.000 s: reached after "));
+        assert!(page.contains("(-0.1, 0.05, 1) m given at 6.001 s: not reached"));
+        assert!(
+            page.contains("<tr><td>1</td><td>0.001</td><td>0.0855</td><td>0.0855</td><td>1.0000</td></tr>")
+        );
+    }
+
+    #[test]
+    fn what_is_put_in_is_not_looked_at_again() {
+        let places = [("a", "{{b}}".to_owned()), ("b", "no".to_owned())];
+        assert_eq!(filled("<{{a}}>{{b}}", &places), "<{{b}}>no");
+        assert_eq!(script_safe(r#"{"a":"</script>"}"#), r#"{"a":"\u003c/script>"}"#);
+    }
+}

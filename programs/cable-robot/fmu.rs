@@ -1,0 +1,93 @@
+//! `cable-robot fmu`: the FMUs of a rig, packed with the library of FMUs that are there already.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use cable_robot::robot::RigFile;
+use cable_robot_fmi::archive;
+use cable_robot_fmi::describe::{VERSIONS, Version};
+use cable_robot_fmi::{Interface, MODELS, Model};
+use cable_robot_report::files::read_text;
+use clap::{Args, ValueHint};
+use serde_json::json;
+
+use crate::{Outcome, print, print_json};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot fmu --rig rigs/eight.toml --output my-fmus
+It needs no compiler: it takes the library from the FMUs that `cargo fmu build` packed, or those in --library.";
+
+#[derive(Args)]
+pub struct Fmu {
+    /// Rig file (TOML, see docs/rigs.md)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    rig: PathBuf,
+    /// Folder to write to: FOLDER/fmi2/CableRobotController.fmu and so on
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    output: PathBuf,
+    /// Folder of the FMUs of the paper's rig, fmi2 and fmi3 in it; without it where the program lies or `cargo fmu build` packs them
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    library: Option<PathBuf>,
+    /// Prints the paths for machines
+    #[arg(long)]
+    json: bool,
+}
+
+impl Fmu {
+    pub fn run(&self) -> Result<Outcome> {
+        let paths = pack(&self.rig, &self.output, &library_folder(self.library.as_deref())?)?;
+        if self.json {
+            print_json(&json!({ "fmus": paths }))?;
+        } else {
+            let lines: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
+            print(&lines.join("\n"))?;
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// The folder of FMUs given, or the one beside the program or where the project packs them.
+pub fn library_folder(given: Option<&Path>) -> Result<PathBuf> {
+    if let Some(folder) = given {
+        return Ok(folder.to_owned());
+    }
+    let program = std::env::current_exe().unwrap_or_default();
+    let beside = program.parent().unwrap_or(Path::new(""));
+    let places = [beside.join("fmu"), beside.join("../fmu"), PathBuf::from("target/fmu")];
+    let is_there = |folder: &&PathBuf| path_of(folder, Model::Controller, Version::Fmi3).is_file();
+    match places.iter().find(is_there) {
+        Some(folder) => Ok(folder.clone()),
+        None => bail!(
+            "no FMUs to take the library from: run `cargo fmu build`, or name their folder with --library"
+        ),
+    }
+}
+
+fn path_of(folder: &Path, model: Model, version: Version) -> PathBuf {
+    folder.join(version.name()).join(model.identifier()).with_extension("fmu")
+}
+
+/// Packs both models in both versions for the rig of a file; their paths.
+pub fn pack(rig: &Path, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
+    let text = read_text(rig).with_context(|| format!("cannot read {}", rig.display()))?;
+    let file = RigFile::parse(&text).with_context(|| rig.display().to_string())?;
+    let mut paths = vec![];
+    for version in VERSIONS {
+        for model in MODELS {
+            let from = path_of(library, model, version);
+            let (libraries, description) =
+                archive::libraries(&from).with_context(|| format!("cannot read {}", from.display()))?;
+            ensure!(
+                description.contains(model.interface().token()),
+                "{} is of another version of cable-robot: its library would not know the rig",
+                from.display()
+            );
+            let interface = Interface::of_rig(model, &file);
+            let path = path_of(output, model, version);
+            archive::write(&path, &archive::contents(&interface, version, &libraries, Some(&text)))
+                .with_context(|| format!("cannot write {}", path.display()))?;
+            paths.push(path);
+        }
+    }
+    Ok(paths)
+}

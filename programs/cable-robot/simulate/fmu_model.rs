@@ -1,0 +1,238 @@
+//! A controller or plant that is an FMU from elsewhere, in the closed loop.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource};
+use cable_robot::robot::{RigFile, Shape};
+use cable_robot::sim::{ControllerModel, ModelError, PlantInputs, PlantModel, PlantOutputs, Scenario};
+use cable_robot_fmi::models::{controller, plant};
+use cable_robot_fmi::values::Values;
+use cable_robot_fmi::variables::Causality as Role;
+use cable_robot_fmi::{Interface, Model};
+use cable_robot_import::{
+    Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
+};
+use cable_robot_report::{recording::column, run_folder};
+
+/// An FMU in the place of ours. Its variables are found by the names of ours; what it lacks is left out.
+pub struct FmuModel {
+    instance: Instance,
+    interface: Interface,
+    inputs: Vec<(u32, Variable)>,
+    outputs: Vec<(u32, Variable)>,
+    values: Values,
+    phase: Phase,
+}
+
+#[derive(PartialEq)]
+enum Phase {
+    Instantiated,
+    Initialization,
+    Stepping,
+}
+
+impl FmuModel {
+    /// Opens the file and sets the scenario's parameters. Which of the two models it stands for its variables tell.
+    pub fn open(path: &Path, scenario: &Scenario) -> Result<Self> {
+        let fmu = Fmu::open(path)?;
+        let motor = fmu.description().variable("motorTension[1]").map(|variable| variable.causality);
+        let (model, name) = match motor {
+            Some(Causality::Output) => (Model::Controller, "controller"),
+            Some(Causality::Input) => (Model::Plant, "plant"),
+            _ => bail!(
+                "{} is neither controller nor plant: a controller has the scalar outputs motorTension[1] to \
+                 motorTension[6], a plant has them as inputs",
+                path.display()
+            ),
+        };
+        let instance = fmu.instantiate(name, Box::new(say))?;
+        let interface = interface(model, &fmu, scenario);
+        let mut values = interface.start().clone();
+        match model {
+            Model::Controller => controller::write_parameters(&interface, &scenario.controller, &mut values),
+            Model::Plant => plant::write_parameters(&interface, &scenario.plant, &mut values),
+        }
+        for (reference, variable) in shared(&instance, &interface, Role::Parameter)? {
+            instance.set(&variable, typed(variable.kind, values.at(reference)))?;
+        }
+        let inputs = shared(&instance, &interface, Role::Input)?;
+        let outputs = shared(&instance, &interface, Role::Output)?;
+        let found = Self { instance, interface, inputs, outputs, values, phase: Phase::Instantiated };
+        found.require_essentials(&scenario.controller).with_context(|| format!("{}", path.display()))?;
+        Ok(found)
+    }
+
+    /// Which of the two it stands for.
+    pub fn model(&self) -> Model {
+        self.interface.model()
+    }
+
+    /// For `run.json`.
+    pub fn info(&self, path: PathBuf) -> run_folder::Model {
+        let description = self.instance.description();
+        let fmi_version = match description.version {
+            FmiVersion::V2 => "2.0",
+            FmiVersion::V3 => "3.0",
+        };
+        run_folder::Model::Fmu {
+            path,
+            name: description.model_name.clone(),
+            fmi_version: fmi_version.to_owned(),
+        }
+    }
+
+    /// Columns of a run that it cannot fill.
+    pub fn lacking(&self) -> Vec<String> {
+        let own = |reference: u32| self.outputs.iter().any(|(known, _)| *known == reference);
+        let missing = scalars(&self.interface, Role::Output).filter(|(_, reference)| !own(*reference));
+        missing.map(|(name, _)| column(self.model(), &name)).collect()
+    }
+
+    /// Without these there is no loop: motors and pose, and what the controller's settings say it reads besides.
+    fn require_essentials(&self, controller: &ControllerParameters) -> Result<()> {
+        let essentials = match self.model() {
+            Model::Controller => vec![(Role::Output, "motorTension", &self.outputs)],
+            Model::Plant => {
+                let [pose, lengths, cells] = ["encoderPose", "cableLength", "measuredTension"]
+                    .map(|name| (Role::Output, name, &self.outputs));
+                let mut all = vec![(Role::Input, "motorTension", &self.inputs), pose];
+                all.extend((controller.pose_source == PoseSource::CableLengths).then_some(lengths));
+                all.extend(controller.force_loop.then_some(cells));
+                all
+            }
+        };
+        for (role, essential, have) in essentials {
+            let needed = scalars(&self.interface, role).filter(|(name, _)| name.starts_with(essential));
+            for (name, reference) in needed {
+                let has = have.iter().any(|(known, _)| *known == reference);
+                ensure!(has, "a {} needs the {} {name}", self.instance.name(), role.name());
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the inputs.
+    fn give(&self) -> Result<(), ModelError> {
+        for (reference, variable) in &self.inputs {
+            self.instance.set(variable, typed(variable.kind, self.values.at(*reference)))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the outputs.
+    fn take(&mut self) -> Result<(), ModelError> {
+        for (reference, variable) in &self.outputs {
+            self.values.put(*reference, self.instance.get(variable)?.as_f64());
+        }
+        Ok(())
+    }
+
+    fn start(&mut self) -> Result<(), ModelError> {
+        if self.phase == Phase::Instantiated {
+            self.instance.enter_initialization(0.0, None)?;
+            self.phase = Phase::Initialization;
+        }
+        self.give()?;
+        self.take()
+    }
+
+    fn step(&mut self, time: f64, h: f64) -> Result<(), ModelError> {
+        if self.phase == Phase::Initialization {
+            self.instance.exit_initialization()?;
+            self.phase = Phase::Stepping;
+        }
+        self.give()?;
+        self.instance.do_step(time, h)?;
+        self.take()
+    }
+}
+
+impl ControllerModel for FmuModel {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        controller::write_inputs(inputs, &mut self.values);
+        self.start()?;
+        Ok(controller::outputs(&self.values))
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        controller::write_inputs(inputs, &mut self.values);
+        self.step(time, h)?;
+        Ok(controller::outputs(&self.values))
+    }
+}
+
+impl PlantModel for FmuModel {
+    fn start(&mut self, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        plant::write_inputs(inputs, &mut self.values);
+        self.start()?;
+        Ok(plant::outputs(&self.values))
+    }
+
+    fn step(&mut self, time: f64, h: f64, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        plant::write_inputs(inputs, &mut self.values);
+        self.step(time, h)?;
+        Ok(plant::outputs(&self.values))
+    }
+}
+
+impl Drop for FmuModel {
+    fn drop(&mut self) {
+        if self.phase == Phase::Stepping {
+            // An FMU that does not end in order is freed all the same.
+            let _ = self.instance.terminate();
+        }
+    }
+}
+
+/// Passes on what the FMU has to say beyond remarks.
+fn say(message: &LogMessage) {
+    if message.status > Status::Ok {
+        crate::say(format_args!("{}: {}", message.instance, message.text));
+    }
+}
+
+/// Names and value references of our variables in a role.
+fn scalars(interface: &Interface, role: Role) -> impl Iterator<Item = (String, u32)> {
+    let in_role = interface.scalars().filter(move |scalar| scalar.row.causality == role);
+    in_role.map(|scalar| (scalar.name(), scalar.reference))
+}
+
+/// Which names to look for: those of the paper's rig, where it is that and the FMU does not have the cables one by one.
+fn interface(model: Model, fmu: &Fmu, scenario: &Scenario) -> Interface {
+    let rig = scenario.plant.rig;
+    let is_paper = Shape::of(&rig).is_ok_and(|shape| shape.is_in_place());
+    if is_paper && fmu.description().variable("anchor[1].x").is_none() {
+        return model.interface();
+    }
+    let (lambda, eta) = (scenario.controller.lambda, scenario.controller.eta);
+    let home = scenario.plant.initial_pose;
+    Interface::of_rig(model, &RigFile { name: scenario.rig.clone(), rig, home, lambda, eta })
+}
+
+/// Our value references and the FMU's variables, where it has one of the same name and role.
+fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<(u32, Variable)>> {
+    let theirs = match role {
+        Role::Parameter => Causality::Parameter,
+        Role::Input => Causality::Input,
+        Role::Output => Causality::Output,
+        Role::Independent => Causality::Independent,
+    };
+    let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);
+    let both = scalars(interface, role).filter(|(name, _)| has(name));
+    both.map(|(name, reference)| Ok((reference, instance.variable(&name)?.clone()))).collect()
+}
+
+/// The number as a value of this type.
+fn typed(kind: VariableType, number: f64) -> Value {
+    match kind {
+        VariableType::Float64 | VariableType::Float32 => Value::Float(number),
+        VariableType::Boolean => Value::Bool(number != 0.0),
+        _ => Value::Int(number as i64),
+    }
+}

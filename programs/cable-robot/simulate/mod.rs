@@ -1,0 +1,296 @@
+//! `cable-robot simulate`: a scenario, run.
+
+mod fmu_model;
+mod interruption;
+pub mod source;
+mod summary;
+
+use std::fs;
+use std::io::{IsTerminal, Write, stdout};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Error, Result, bail, ensure};
+use cable_robot::plan::Status;
+use cable_robot::robot::Pose;
+use cable_robot::sim::closed_loop::{library_controller, library_plant};
+use cable_robot::sim::scenario::count_steps;
+use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
+use cable_robot_fmi::Model;
+use cable_robot_report::Recording;
+use cable_robot_report::run_folder::{self, FORMAT, RunFolder, RunInfo};
+use clap::error::ErrorKind;
+use clap::{Args, Command, ValueHint};
+
+use self::fmu_model::FmuModel;
+use self::interruption::Interruption;
+use self::summary::Summary;
+use crate::arguments::{Planner, pose, seconds};
+use crate::progress::Progress;
+use crate::rig::{RigArgument, require_below, require_rest};
+use crate::{Outcome, is_closed_pipe, print, print_json, say};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot simulate paper --output run
+         cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
+Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
+GoalUnreachable or SensorFault, 130 interrupted; what was recorded until then is written.";
+
+#[derive(Args)]
+pub struct Simulate {
+    /// A bundled scenario by its name, or a scenario file (TOML)
+    #[arg(
+        value_name = "SCENARIO",
+        value_hint = ValueHint::FilePath,
+        conflicts_with_all = ["rig", "from", "to", "duration", "step", "planner"]
+    )]
+    scenario: Option<String>,
+    /// Lists the bundled scenarios
+    #[arg(long, exclusive = true)]
+    list: bool,
+    #[command(flatten)]
+    rig: RigArgument,
+    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad; without it the rig's home
+    #[arg(long, value_parser = pose, allow_hyphen_values = true)]
+    from: Option<Pose>,
+    /// x,y,z[,roll,pitch,yaw] of the goal, m and rad: a scenario of one goal, without a file
+    #[arg(long, value_parser = pose, allow_hyphen_values = true)]
+    to: Option<Pose>,
+    /// Simulated time, s
+    #[arg(long, value_parser = seconds, default_value = "12", allow_negative_numbers = true)]
+    duration: f64,
+    /// Time between two steps of the controller, s
+    #[arg(long, value_parser = seconds, default_value = "0.001", allow_negative_numbers = true)]
+    step: f64,
+    /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
+    #[arg(long, value_enum)]
+    planner: Option<Planner>,
+    /// A controller or plant (FMI 2.0 or 3.0 co-simulation) in place of ours; may be given twice
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    fmu: Vec<PathBuf>,
+    /// Writes run.csv and run.json into this folder, instead of the CSV to stdout
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    output: Option<PathBuf>,
+    /// Prints the summary for machines to stdout; the CSV is written only with --output
+    #[arg(long)]
+    json: bool,
+}
+
+/// What runs in the loop, and what `run.json` says of it.
+struct Models {
+    controller: Box<dyn ControllerModel>,
+    plant: Box<dyn PlantModel>,
+    controller_info: run_folder::Model,
+    plant_info: run_folder::Model,
+    /// Columns that they cannot fill.
+    lacking: Vec<String>,
+}
+
+impl Simulate {
+    pub fn run(&self) -> Result<Outcome> {
+        if self.list {
+            let list = source::list()?;
+            let lines = list.iter().map(|(name, title)| format!("{name:<13}{title}\n"));
+            print(&lines.collect::<String>())?;
+            return Ok(Outcome::Done);
+        }
+        let scenario = self.scenario()?;
+        let models = self.models(&scenario)?;
+        let info = self.info(&scenario, &models);
+        let lacking = models.lacking.clone();
+        let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
+        self.output.as_deref().map_or(Ok(()), prepare)?;
+        let (mut recording, interruption) =
+            (Recording::new(scenario.plant.rig.cables.len()), Interruption::listen()?);
+        let end = simulate(&scenario, models, &mut recording, &interruption);
+
+        let mut table = recording.into_table();
+        if table.rows() == 0 {
+            // A folder that was made for nothing; were it no longer empty, it would stay.
+            let _ = self.output.as_ref().filter(|_| !was_there).map(fs::remove_dir);
+            return end.map(|_| Outcome::Done);
+        }
+        table.drop_columns(&lacking);
+        let recorded = RunFolder { info, table };
+        // What went well until a failure is worth keeping.
+        let written = self.write(&recorded, &interruption);
+        if interruption.gives_up() && written.is_err() {
+            say("interrupted: nothing was written");
+            return Ok(Outcome::Interrupted);
+        }
+        written?;
+        let status = self.tell(&scenario, &recorded)?;
+        Ok(match (end?, status) {
+            (End::Interrupted, _) => {
+                say(format_args!("interrupted: {:?} s were to be simulated", scenario.duration));
+                Outcome::Interrupted
+            }
+            (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault)) => Outcome::NotReachable,
+            (End::Whole, _) => Outcome::Done,
+        })
+    }
+
+    /// The run folder, or the CSV to stdout.
+    fn write(&self, recorded: &RunFolder, interruption: &Interruption) -> Result<()> {
+        let progress = Progress::new("writing", recorded.table.rows() as u64);
+        // A bar among the rows would be in their way.
+        let is_seen = self.output.is_none() && stdout().is_terminal();
+        let row_done = || {
+            if !is_seen {
+                progress.done(1);
+            }
+            interruption.go_on()
+        };
+        match &self.output {
+            Some(folder) => {
+                interruption.begin_writing();
+                Ok(recorded.write_watched(folder, row_done)?)
+            }
+            None if self.json => Ok(()),
+            None => match recorded.table.write_csv_watched(stdout().lock(), row_done).map_err(Error::from) {
+                Err(error) if is_closed_pipe(&error) => Ok(()),
+                written => written.context("cannot write to stdout"),
+            },
+        }
+    }
+
+    fn scenario(&self) -> Result<Scenario> {
+        match (&self.scenario, self.to) {
+            (Some(name), _) => source::named(name),
+            (None, Some(to)) => self.short_form(to),
+            (None, None) => {
+                let names = BUNDLED.map(|(name, _)| name).join(", ");
+                let wanted = format!("give a scenario ({names}, or a file), or a goal with --to x,y,z");
+                let mut command = Self::augment_args(Command::new("cable-robot simulate"));
+                command.error(ErrorKind::MissingRequiredArgument, wanted).exit()
+            }
+        }
+    }
+
+    /// One goal, an ideal rig.
+    fn short_form(&self, to: Pose) -> Result<Scenario> {
+        let (file, controller) = self.rig.read_with_controller(self.planner.map(Planner::kind))?;
+        let from = self.from.unwrap_or(file.home);
+        if let Err(right) = count_steps(self.duration, self.step) {
+            bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
+        }
+        let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
+        require_rest(&controller, &name, &from)?;
+        require_below(&file.rig, "--to", &to)?;
+        Ok(Scenario {
+            title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
+            rig: file.name,
+            plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
+            controller,
+            goals: vec![Goal { time: 0.0, pose: to }],
+            disturbances: vec![],
+            duration: self.duration,
+            step: self.step,
+        })
+    }
+
+    /// Ours, but for what an FMU replaces.
+    fn models(&self, scenario: &Scenario) -> Result<Models> {
+        let mut models = Models {
+            controller: Box::new(library_controller(scenario)?),
+            plant: Box::new(library_plant(scenario)?),
+            controller_info: run_folder::Model::Library,
+            plant_info: run_folder::Model::Library,
+            lacking: vec![],
+        };
+        for path in &self.fmu {
+            let fmu = FmuModel::open(path, scenario)?;
+            let (info, lacking) = (fmu.info(path.clone()), fmu.lacking());
+            let replaced = match fmu.model() {
+                Model::Controller => {
+                    models.controller = Box::new(fmu);
+                    std::mem::replace(&mut models.controller_info, info)
+                }
+                Model::Plant => {
+                    models.plant = Box::new(fmu);
+                    std::mem::replace(&mut models.plant_info, info)
+                }
+            };
+            if let run_folder::Model::Fmu { path: earlier, .. } = replaced {
+                bail!("{} and {} stand for the same model", earlier.display(), path.display());
+            }
+            if !lacking.is_empty() {
+                let mut names: Vec<_> =
+                    lacking.iter().filter_map(|name| name.split(['.', '[']).nth(1)).collect();
+                names.dedup();
+                say(format_args!(
+                    "{} lacks outputs, which are not recorded: {}",
+                    path.display(),
+                    names.join(", ")
+                ));
+            }
+            models.lacking.extend(lacking);
+        }
+        Ok(models)
+    }
+
+    fn info(&self, scenario: &Scenario, models: &Models) -> RunInfo {
+        RunInfo {
+            format: FORMAT,
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            title: scenario.title.clone(),
+            scenario: self.scenario.clone(),
+            controller: models.controller_info.clone(),
+            plant: models.plant_info.clone(),
+            rig: scenario.rig.clone(),
+            step: scenario.step,
+            controller_parameters: scenario.controller,
+            plant_parameters: scenario.plant,
+        }
+    }
+
+    /// The summary: to stderr for people, to stdout for machines. What the controller said last.
+    fn tell(&self, scenario: &Scenario, recorded: &RunFolder) -> Result<Option<Status>> {
+        let run = recorded.run()?;
+        let summary = Summary { scenario, run: &run, table: &recorded.table };
+        // Nothing depends on whether stderr is read.
+        let _ = write!(std::io::stderr(), "{}", summary.as_text());
+        if self.json {
+            print_json(&summary.as_json())?;
+        }
+        Ok(summary.status())
+    }
+}
+
+/// The folder exists and can be written into, before the work begins.
+fn prepare(folder: &Path) -> Result<()> {
+    ensure!(
+        (folder.is_dir() || !folder.exists())
+            && folder.extension().is_none_or(|extension| extension != "csv"),
+        "--output {}: a folder is wanted, into which run.csv and run.json are written",
+        folder.display()
+    );
+    Ok(run_folder::make(folder)?)
+}
+
+/// How a simulation came to its end.
+enum End {
+    Whole,
+    Interrupted,
+}
+
+/// Runs until the end of the scenario, or until it is to stop.
+fn simulate(
+    scenario: &Scenario,
+    models: Models,
+    recording: &mut Recording,
+    interruption: &Interruption,
+) -> Result<End> {
+    let mut closed_loop = ClosedLoop::with_models(scenario, models.controller, models.plant)?;
+    recording.push(closed_loop.moment())?;
+    let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
+    let progress = Progress::new("simulating", steps);
+    for _ in 0..steps {
+        if interruption.is_asked() {
+            return Ok(End::Interrupted);
+        }
+        closed_loop.step()?;
+        recording.push(closed_loop.moment())?;
+        progress.done(1);
+    }
+    Ok(End::Whole)
+}

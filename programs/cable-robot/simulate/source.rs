@@ -1,0 +1,50 @@
+//! Where a scenario comes from: the program itself, a file, or the arguments.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use cable_robot::plan::ControllerParameters;
+use cable_robot::robot::RigFile;
+use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
+use cable_robot_report::files::read_text;
+
+use crate::rig;
+
+/// The scenario of this name, or in this file.
+pub fn named(name: &str) -> Result<Scenario> {
+    let bundled = BUNDLED.iter().find(|(known, _)| *known == name);
+    let Some((_, text)) = bundled else { return from_file(Path::new(name)) };
+    parse(text, Path::new("")).with_context(|| format!("bundled scenario {name}"))
+}
+
+fn from_file(path: &Path) -> Result<Scenario> {
+    let names = BUNDLED.map(|(name, _)| name).join(", ");
+    let text = read_text(path).with_context(|| {
+        format!("cannot read the scenario {} (bundled ones are: {names})", path.display())
+    })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&text, folder).with_context(|| path.display().to_string())
+}
+
+/// `folder` is where the path of a rig begins.
+fn parse(text: &str, folder: &Path) -> Result<Scenario> {
+    let file = ScenarioFile::parse(text)?;
+    let (rig, base) = match file.rig() {
+        Some((line, path)) => rig::read_with_controller(&folder.join(path), None)
+            .with_context(|| format!("line {line}: rig = {path:?}"))?,
+        None => (RigFile::default(), ControllerParameters::default()),
+    };
+    let scenario = file.scenario(&rig.name, rig.home, base)?;
+    let start = match (file.start_line(), file.rig()) {
+        (Some(line), _) => format!("line {line}: start"),
+        (None, Some((line, path))) => format!("line {line}: rig = {path:?}: home"),
+        (None, None) => "home".to_owned(),
+    };
+    rig::require_rest(&scenario.controller, &start, &scenario.plant.initial_pose)?;
+    Ok(scenario)
+}
+
+/// Names and titles of the bundled scenarios.
+pub fn list() -> Result<Vec<(&'static str, String)>> {
+    BUNDLED.iter().map(|(name, text)| Ok((*name, ScenarioFile::parse(text)?.title().to_owned()))).collect()
+}

@@ -1,0 +1,179 @@
+//! What a simulation came to, for people and for machines.
+
+use cable_robot::plan::Status;
+use cable_robot::robot::Pose;
+use cable_robot::sim::Scenario;
+use cable_robot_report::{Run, SetPoint, Table};
+use serde_json::{Value, json};
+
+use crate::metres;
+
+/// Set points shown at either end of a long list.
+const SHOWN: usize = 5;
+
+/// A run and the scenario that led to it. A controller from elsewhere may tell less: what it does not tell is left out.
+pub struct Summary<'a> {
+    pub scenario: &'a Scenario,
+    pub run: &'a Run,
+    pub table: &'a Table,
+}
+
+impl Summary<'_> {
+    /// For people.
+    pub fn as_text(&self) -> String {
+        let summary = self.run.summary();
+        let mut text = format!("{}\n", self.scenario.title);
+        if self.tells_of_set_points() {
+            text += &set_points(&summary.set_points, &self.angles(&summary.set_points));
+        }
+        if let Some(smallest) = summary.smallest_tension {
+            text += &format!("smallest tension: {smallest}\n");
+        }
+        if self.tells_of_goals() {
+            text += &self.goals();
+        }
+        text += &match summary.slack {
+            Some((cable, time)) => format!("slack cables: cable {cable}, first at {time:.3} s\n"),
+            None => "slack cables: none\n".to_owned(),
+        };
+        match self.status() {
+            Some(status) => text + &format!("status at the end, {:.3} s: {status:?}\n", self.end()),
+            None => text,
+        }
+    }
+
+    /// For machines.
+    pub fn as_json(&self) -> Value {
+        let summary = self.run.summary();
+        let set_points = summary.set_points.iter().zip(self.angles(&summary.set_points)).map(
+            |(point, angles)| json!({ "time": point.time, "position": point.position, "angles": angles }),
+        );
+        let goals = self.scenario.goals.iter().enumerate().map(|(k, goal)| {
+            let [position, angles]: [[f64; 3]; 2] = [goal.pose.position().into(), goal.pose.angles().into()];
+            json!({ "time": goal.time, "position": position, "angles": angles, "reached": self.reached(k) })
+        });
+        json!({
+            "title": self.scenario.title,
+            "endTime": self.end(),
+            "setPoints": self.tells_of_set_points().then(|| set_points.collect::<Vec<_>>()),
+            "goals": goals.collect::<Vec<_>>(),
+            "smallestTension": summary.smallest_tension.map(|u| {
+                json!({ "cable": u.cable, "tension": u.value, "time": u.time })
+            }),
+            "slack": summary.slack.map(|(cable, time)| json!({ "cable": cable, "time": time })),
+            "status": self.status().map(|status| format!("{status:?}")),
+        })
+    }
+
+    /// What the controller said last; `None` if it has no status.
+    pub fn status(&self) -> Option<Status> {
+        let number = *self.table.get("controller.status")?.last()?;
+        Status::ALL.into_iter().find(|status| f64::from(*status as i32) == number)
+    }
+
+    /// Roll, pitch and yaw of the set points, rad.
+    fn angles(&self, points: &[SetPoint]) -> Vec<[f64; 3]> {
+        let columns =
+            ["roll", "pitch", "yaw"].map(|axis| self.table.get(&format!("controller.setPoint.{axis}")));
+        let row = |point: &SetPoint| self.run.times.partition_point(|time| *time < point.time);
+        points
+            .iter()
+            .map(|point| columns.map(|column| column.map_or(0.0, |angle| angle[row(point)])))
+            .collect()
+    }
+
+    fn tells_of_set_points(&self) -> bool {
+        self.table.get("controller.setPointIndex").is_some()
+    }
+
+    fn tells_of_goals(&self) -> bool {
+        self.table.get("controller.atGoal").is_some()
+    }
+
+    /// A line each, the middle of a long list left out.
+    fn goals(&self) -> String {
+        let count = self.scenario.goals.len();
+        let line = |k: usize| match left_out(k, count) {
+            None => self.goal(k),
+            Some(0) => format!("... {} more goals\n", count - 2 * SHOWN),
+            Some(_) => String::new(),
+        };
+        (0..count).map(line).collect()
+    }
+
+    /// When and whether goal `k` was reached.
+    fn goal(&self, k: usize) -> String {
+        let goal = &self.scenario.goals[k];
+        let given = format!("goal {} given at {} s:", place(&goal.pose), goal.time);
+        match self.reached(k) {
+            Some(time) => format!("{given} reached after {:.3} s\n", time - goal.time),
+            None if self.end() < goal.time => format!("{given} the run ended before\n"),
+            None => format!("{given} not reached by {:.3} s\n", self.end_of(k).min(self.end())),
+        }
+    }
+
+    /// When the robot first rested at goal `k`, s.
+    fn reached(&self, k: usize) -> Option<f64> {
+        let (from, until) = (self.scenario.goals[k].time, self.end_of(k));
+        let times = &self.run.times;
+        let mut rows = times.partition_point(|t| *t <= from)..times.partition_point(|t| *t <= until);
+        rows.find(|row| self.run.at_goal[*row] != 0.0).map(|row| times[row])
+    }
+
+    /// When the next goal is given, s.
+    fn end_of(&self, k: usize) -> f64 {
+        self.scenario.goals.get(k + 1).map_or(self.scenario.duration, |next| next.time)
+    }
+
+    /// Time of the last row, s.
+    fn end(&self) -> f64 {
+        self.run.times.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// x, y, z, and the angles if there are any.
+pub fn place(pose: &Pose) -> String {
+    let shown = if pose.angles().amax() > 0.0 { 6 } else { 3 };
+    format!("({})", pose.0.iter().take(shown).map(f64::to_string).collect::<Vec<_>>().join(", "))
+}
+
+/// In the middle of a list that is too long: the place there, from 0.
+fn left_out(i: usize, count: usize) -> Option<usize> {
+    let is_long = count > 2 * SHOWN + 1;
+    (is_long && (SHOWN..count - SHOWN).contains(&i)).then(|| i - SHOWN)
+}
+
+/// A table of them, the middle of a long one left out; angles only where there are any.
+fn set_points(points: &[SetPoint], angles: &[[f64; 3]]) -> String {
+    let turned = angles.iter().flatten().any(|angle| *angle != 0.0);
+    let mut text = String::from("set points\n  i   from (s)    x (m)    y (m)    z (m)");
+    text += if turned { " roll (rad)  pitch      yaw\n" } else { "\n" };
+    let count = points.len();
+    for (i, (point, angles)) in points.iter().zip(angles).enumerate() {
+        text += &match left_out(i, count) {
+            None => {
+                let [x, y, z] = point.position.map(metres);
+                let angles = if turned { angles.map(metres).concat() } else { String::new() };
+                format!("  {i:<3} {:8.3}{x}{y}{z}{angles}\n", point.time)
+            }
+            Some(0) => format!("  ... {} more\n", count - 2 * SHOWN),
+            Some(_) => String::new(),
+        };
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_lose_their_middle() {
+        let points = |count| vec![SetPoint { time: 0.0, position: [0.0, -1e-9, 1.0] }; count];
+        let level = |count: usize| set_points(&points(count), &vec![[0.0; 3]; count]);
+        assert_eq!(level(11).lines().count(), 13);
+        let long = level(100);
+        assert!(long.contains("  4   ") && long.contains("... 90 more\n  95  "), "{long}");
+        assert!(!long.contains("-0.0"), "{long}");
+    }
+}

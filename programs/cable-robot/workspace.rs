@@ -1,0 +1,191 @@
+//! `cable-robot workspace`: where the cables can hold the platform at rest within their limits.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Result, ensure};
+use cable_robot::reach::Slice;
+use cable_robot::reach::static_region::{Grid, corners};
+use cable_robot::robot::RigFile;
+use cable_robot_report::facts::limits;
+use cable_robot_report::files::{probe, write_whole};
+use clap::Args;
+use nalgebra::{Vector2, Vector3};
+use serde_json::json;
+
+use crate::arguments::{angles, finite};
+use crate::progress::Progress;
+use crate::rig::RigArgument;
+use crate::{Outcome, metres, number, picture, print, print_json};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot workspace --height 0.7 --svg workspace.svg
+With a rig file, here one that comes with the project: cable-robot workspace --rig rigs/eight.toml --height 2";
+
+/// Points of the grid along x and along y.
+const GRID: usize = 61;
+/// Rays to the border.
+const RAYS: usize = 360;
+/// What counts as straight, m.
+const STRAIGHT: f64 = 1e-6;
+
+/// Heights in sizes of the rig up to which tensions can be told: as far as [`cable_robot::robot::rig::SINGULARITY_THRESHOLD`] lets cables be parallel.
+const FARTHEST: f64 = 1e6;
+/// Share of the workspace outside the border that is more than what a grid gives for a border of chords.
+const WORTH_SAYING: f64 = 5e-3;
+
+#[derive(Args)]
+pub struct Workspace {
+    #[command(flatten)]
+    rig: RigArgument,
+    /// z of the centre of mass, m; without it that of the rig's home
+    #[arg(long, value_parser = finite, allow_hyphen_values = true)]
+    height: Option<f64>,
+    /// roll,pitch,yaw in rad
+    #[arg(long, value_parser = angles, default_value = "0,0,0", allow_hyphen_values = true)]
+    orientation: [f64; 3],
+    /// Prints numbers for machines instead of the picture
+    #[arg(long)]
+    json: bool,
+    /// Also draws the workspace into this file
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+/// The workspace at one height and orientation.
+pub struct Found {
+    /// Corners of its border, m; the part that is seen from `deepest`.
+    pub corners: Vec<Vector2<f64>>,
+    /// Where the margin is greatest, m and N.
+    pub deepest: (Vector2<f64>, f64),
+    /// Margins on and around it.
+    pub grid: Grid,
+    /// m².
+    pub area: f64,
+    /// Share of the grid's admissible points that lie outside the border.
+    pub unseen: f64,
+}
+
+impl Workspace {
+    pub fn run(&self) -> Result<Outcome> {
+        let file = self.rig.read()?;
+        let height = self.height.unwrap_or(file.home.0[2]);
+        let slice = Slice { rig: &file.rig, height, angles: Vector3::from(self.orientation) };
+        let (low, high) = slice.extent();
+        let highest = FARTHEST * (high - low).max();
+        ensure!(
+            height.abs() <= highest,
+            "--height {}: the cables are as good as parallel there; at most {} m makes sense for this rig",
+            number(height),
+            number(highest.round())
+        );
+        self.svg.as_deref().map_or(Ok(()), probe)?;
+        let progress = Progress::new("looking", 2 * GRID as u64);
+        let found = find(&slice, &file, || progress.done(1));
+        drop(progress);
+        if let Some(path) = &self.svg {
+            let svg = picture::svg(&file.name, &slice, found.as_ref());
+            write_whole(path, |file| file.write_all(svg.as_bytes()))?;
+        }
+        if self.json {
+            print_json(&as_json(&file.name, &slice, found.as_ref()))?;
+        } else {
+            print(&as_text(&file.name, &slice, found.as_ref()))?;
+        }
+        if let Some(found) = found.filter(|found| found.unseen > WORTH_SAYING) {
+            crate::say(format_args!(
+                "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
+                100.0 * found.unseen
+            ));
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// `None` where the cables cannot hold the platform at any point of the grid, nor at the rig's home.
+pub fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Option<Found> {
+    let coarse = slice.grid(slice.extent(), GRID, &row_done);
+    let home = file.home.position().xy();
+    let at_home = slice.margin(&home);
+    let seed = coarse.best().or((at_home >= 0.0).then_some((home, at_home)))?;
+
+    let border = corners(&slice.boundary(&seed.0, RAYS), STRAIGHT);
+    let (low, high) = (bounds(&border, f64::min), bounds(&border, f64::max));
+    let frame = (high - low) * 0.05;
+    let grid = slice.grid((low - frame, high + frame), GRID, &row_done);
+    let admissible = grid.points().filter(|(_, margin)| *margin >= 0.0).count();
+    let outside =
+        grid.points().filter(|(point, margin)| *margin >= 0.0 && !surrounds(&border, point)).count();
+    Some(Found {
+        deepest: grid.best().filter(|best| best.1 > seed.1).unwrap_or(seed),
+        area: area(&border),
+        corners: border,
+        unseen: outside as f64 / admissible.max(1) as f64,
+        grid,
+    })
+}
+
+fn bounds(points: &[Vector2<f64>], pick: fn(f64, f64) -> f64) -> Vector2<f64> {
+    points.iter().copied().reduce(|a, b| a.zip_map(&b, pick)).unwrap_or_default()
+}
+
+/// Consecutive points of the closed line.
+fn edges(line: &[Vector2<f64>]) -> impl Iterator<Item = (&Vector2<f64>, &Vector2<f64>)> {
+    line.iter().zip(line.iter().cycle().skip(1))
+}
+
+fn area(line: &[Vector2<f64>]) -> f64 {
+    0.5 * edges(line).map(|(a, b)| a.perp(b)).sum::<f64>().abs()
+}
+
+/// Whether a ray from the point along x crosses the line an odd number of times.
+fn surrounds(line: &[Vector2<f64>], point: &Vector2<f64>) -> bool {
+    let crossed = |(a, b): &(&Vector2<f64>, &Vector2<f64>)| {
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (b.x - a.x) * (point.y - a.y) / (b.y - a.y)
+    };
+    edges(line).filter(crossed).count() % 2 == 1
+}
+
+fn as_text(name: &str, slice: &Slice, found: Option<&Found>) -> String {
+    let (rig, height) = (slice.rig, number(slice.height));
+    let mut text = format!("{name}: {} cables, {} kg", rig.cables.len(), number(rig.mass));
+    let _ = writeln!(text, ", tensions {}", limits(rig));
+    let Some(found) = found else {
+        let _ = writeln!(text, "z = {height} m: empty, the cables cannot hold the platform anywhere");
+        return text;
+    };
+    let (deepest, margin) = found.deepest;
+    let _ = writeln!(text, "z = {height} m: area {:.4} m²", found.area);
+    let _ = writeln!(
+        text,
+        "greatest margin: {margin:.3} N at ({}, {}), the least distance of a tension to a limit\n",
+        metres(deepest.x).trim(),
+        metres(deepest.y).trim()
+    );
+    text += &picture::characters(&found.grid, margin);
+    if found.corners.len() <= 24 {
+        text += "\ncorners\n     x (m)     y (m)\n";
+        for corner in &found.corners {
+            let _ = writeln!(text, " {} {}", metres(corner.x), metres(corner.y));
+        }
+    } else {
+        let count = found.corners.len();
+        let _ = writeln!(text, "\nborder: {count} points (--json lists them)");
+    }
+    text
+}
+
+fn as_json(name: &str, slice: &Slice, found: Option<&Found>) -> serde_json::Value {
+    let point = |p: &Vector2<f64>| [p.x, p.y];
+    json!({
+        "rig": name,
+        "height": slice.height,
+        "orientation": slice.angles.as_slice(),
+        "empty": found.is_none(),
+        "area": found.map_or(0.0, |found| found.area),
+        "vertices": found.map_or(vec![], |found| found.corners.iter().map(point).collect()),
+        "deepest": found.map(|found| json!({ "point": point(&found.deepest.0), "margin": found.deepest.1 })),
+        "unseen": found.map_or(0.0, |found| found.unseen),
+    })
+}

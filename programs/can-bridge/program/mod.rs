@@ -1,0 +1,199 @@
+//! Arguments, exit codes, and which of its tasks the program does.
+
+mod check;
+mod controller;
+mod entry;
+mod goals;
+mod journal;
+mod log;
+mod operator;
+mod outlet;
+mod real_time;
+mod record;
+mod replay;
+mod session;
+mod signals;
+mod status;
+mod terminal;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, ensure};
+use cable_robot::robot::TensionLimits;
+use cable_robot_fieldbus::bridge::Bridge;
+use cable_robot_fieldbus::transport;
+use cable_robot_fieldbus::{Config, bus_load, export};
+use clap::Parser;
+
+use controller::FmuController;
+use journal::Journal;
+use session::{End, Session};
+use terminal::say;
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 3 the rate does not fit on the bus;
+4 the replay gives other commands than the recording; 5 ended after a fault, or the
+drives do not confirm that they are off; 6 the torque was cut off at once (second
+signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole.
+Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
+
+/// The packed controller against the drives and load cells of a rig on a CAN bus
+#[derive(Parser)]
+#[command(name = "can-bridge", version, after_help = EXIT_CODES)]
+struct Arguments {
+    /// What is on which bus, how it scales, what is allowed: rigs/can/akd.toml is an example
+    #[arg(value_name = "RIG.toml", required_unless_present = "replay")]
+    rig: Option<PathBuf>,
+    /// Looks at the rig file, the controller and the bus load, and opens no bus
+    #[arg(long)]
+    check: bool,
+    /// Writes the frames of this bus with names, scaling and units to stdout, as a DBC file for bench tools
+    #[arg(long, value_name = "BUS", conflicts_with_all = ["check", "dry_run", "scenario", "record", "status", "no_realtime"])]
+    export_dbc: Option<String>,
+    /// Reads and computes beside another controller, and sends nothing
+    #[arg(long, conflicts_with = "check")]
+    dry_run: bool,
+    /// Opens this address instead of the bus's name, such as can0=slcan:/dev/ttyACM0; may be given for each bus
+    #[arg(long, value_name = "NAME=ADDRESS", value_parser = bus_address)]
+    bus: Vec<(String, String)>,
+    /// Goals of a scenario file, timed from the first time the controller pulls
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// Records every frame, cycle and command, and a run for `cable-robot report`, into this folder, which holds no recording yet
+    #[arg(long, value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    /// Writes the status for machines, a JSON object a line, into this file; - is stdout
+    #[arg(long, value_name = "FILE")]
+    status: Option<PathBuf>,
+    /// Leaves scheduling and memory as they are
+    #[arg(long)]
+    no_realtime: bool,
+    /// Gives a recorded folder to bridge and controller once more, and compares what they command
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["rig", "check", "dry_run", "bus", "scenario", "record", "status"])]
+    replay: Option<PathBuf>,
+}
+
+/// What an exit code tells apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    Done,
+    DoesNotFit,
+    Differs,
+    Faulted,
+    CutOff,
+    Incomplete,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        Self::from(match outcome {
+            Outcome::Done => 0,
+            Outcome::DoesNotFit => 3,
+            Outcome::Differs => 4,
+            Outcome::Faulted => 5,
+            Outcome::CutOff => 6,
+            Outcome::Incomplete => 7,
+        })
+    }
+}
+
+/// The program.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let code = match terminal::start().and_then(|()| run(&arguments)) {
+        Ok(outcome) => outcome.into(),
+        Err(error) => {
+            say(format_args!("can-bridge: {error:#}"));
+            ExitCode::FAILURE
+        }
+    };
+    terminal::finish();
+    code
+}
+
+/// To stdout.
+fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
+}
+
+fn run(arguments: &Arguments) -> Result<Outcome> {
+    if let Some(folder) = &arguments.replay {
+        return replay::run(folder);
+    }
+    let path = arguments.rig.as_deref().unwrap_or(Path::new(""));
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let config = Config::parse(&text).with_context(|| path.display().to_string())?;
+    for (name, _) in &arguments.bus {
+        let known: Vec<_> = config.buses.iter().map(|bus| bus.name.as_str()).collect();
+        ensure!(known.contains(&name.as_str()), "--bus {name}: the rig file knows {}", known.join(", "));
+    }
+    if let Some(name) = &arguments.export_dbc {
+        let bus = config.buses.iter().position(|bus| bus.name == *name);
+        let known = || config.buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
+        let bus = bus.with_context(|| format!("--export-dbc {name}: the rig file knows {}", known()))?;
+        print(&export::dbc(&config, bus))?;
+        return Ok(Outcome::Done);
+    }
+    let controller = FmuController::open(&config)?;
+    if arguments.check {
+        print(&check::text(&config, &controller))?;
+    }
+    if let Err(reason) = bus_load::check(&config) {
+        say(format_args!("can-bridge: {reason}"));
+        return Ok(Outcome::DoesNotFit);
+    }
+    if arguments.check { Ok(Outcome::Done) } else { drive(arguments, &text, config, controller) }
+}
+
+fn drive(
+    arguments: &Arguments,
+    rig_text: &str,
+    config: Config,
+    mut controller: FmuController,
+) -> Result<Outcome> {
+    arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
+    let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, &config))?;
+    let mut links = vec![];
+    for bus in &config.buses {
+        let replaced = arguments.bus.iter().find(|(name, _)| *name == bus.name);
+        let address = replaced.map_or(bus.name.as_str(), |(_, address)| address);
+        links.push(transport::open(address, bus.bit_rate as u32, &[])?);
+    }
+    let recording = match &arguments.record {
+        Some(folder) => {
+            Some(record::Recording::create(folder, rig_text, &config, &controller, arguments.dry_run)?)
+        }
+        None => None,
+    };
+    let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
+    let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
+    let stop = signals::listen()?;
+    let (commands, _terminal) = operator::listen(&config)?;
+    let TensionLimits { min, max } = controller.parameters().rig.common_limits();
+    let (teller, journal) = Journal::start(recording, stream, &config, [min, max])?;
+    real_time::say_panics_briefly();
+    if !arguments.no_realtime {
+        real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));
+    }
+    let mut session = Session::new(bridge, &mut controller, links, teller, commands, stop, goals);
+    let end = session.run();
+    drop(session);
+    let whole = journal.join();
+    Ok(match end {
+        End::CutOff => Outcome::CutOff,
+        End::Faulted => Outcome::Faulted,
+        End::Asked if !whole => Outcome::Incomplete,
+        End::Asked => Outcome::Done,
+    })
+}
+
+fn bus_address(text: &str) -> Result<(String, String), String> {
+    let (name, address) = text.split_once('=').ok_or("expected like can0=slcan:/dev/ttyACM0")?;
+    Ok((name.to_owned(), address.to_owned()))
+}

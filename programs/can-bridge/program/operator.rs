@@ -1,0 +1,230 @@
+//! What the operator wants: keys on a terminal, and lines from a pipe.
+
+use std::io::IsTerminal;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::terminal::say;
+use anyhow::{Context, Result};
+use cable_robot::robot::{Coordinates, Pose};
+use cable_robot_fieldbus::{Config, OperatorCommand};
+use rtrb::{Consumer, Producer, RingBuffer};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::stdio::stdin;
+use rustix::termios::{
+    InputModes, LocalModes, OptionalActions, SpecialCodeIndex, Termios, tcgetattr, tcsetattr,
+};
+
+/// What the terminal takes for "no key does that" (_POSIX_VDISABLE).
+const NO_KEY: u8 = 0;
+/// More commands than anybody gives in a cycle.
+const QUEUE: usize = 256;
+/// Of a line.
+const LONGEST_LINE: usize = 256;
+const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
+
+/// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
+pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
+    let (producer, consumer) = RingBuffer::new(QUEUE);
+    // Three times within the time allowed.
+    let again = Duration::from_nanos(config.timeouts.enable / 3);
+    let terminal = if std::io::stdin().is_terminal() { Some(Terminal::raw()?) } else { None };
+    let has_keys = terminal.is_some();
+    let read = move || if has_keys { keys(producer, again) } else { lines(producer) };
+    thread::Builder::new().name("operator".to_owned()).spawn(read).context("no thread for the operator")?;
+    Ok((consumer, terminal))
+}
+
+/// Keys come at once and unseen while this lives. Ctrl-C still is a signal; Ctrl-Z, Ctrl-\ and Ctrl-S are keys like any other and let go.
+pub struct Terminal {
+    before: Termios,
+}
+
+impl Terminal {
+    fn raw() -> Result<Self> {
+        let before = tcgetattr(stdin()).context("cannot read the terminal's settings")?;
+        let mut raw = before.clone();
+        raw.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
+        raw.input_modes -= InputModes::IXON;
+        for stopping in [SpecialCodeIndex::VSUSP, SpecialCodeIndex::VQUIT] {
+            raw.special_codes[stopping] = NO_KEY;
+        }
+        tcsetattr(stdin(), OptionalActions::Now, &raw).context("cannot set the terminal")?;
+        Ok(Self { before })
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        // Nobody is left to tell if it fails.
+        let _ = tcsetattr(stdin(), OptionalActions::Now, &self.before);
+    }
+}
+
+/// Waits for room: no command is ever dropped, least of all a release. Nobody takes them any more once the program ends.
+fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
+    while queue.push(command).is_err() && !queue.is_abandoned() {
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// A terminal knows no key that is held: `e` enables until the next key, whichever it is.
+fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
+    say(KEYS);
+    let mut enabled: Option<Instant> = None;
+    let mut tell = |command| give(&mut queue, command);
+    loop {
+        let mut key = [0];
+        match read_within(&mut key, enabled.map(|_| again)) {
+            None => tell(OperatorCommand::Enable),
+            Some(0) => return tell(OperatorCommand::Release),
+            Some(_) => {
+                let is_enabling = key[0] == b'e' && enabled.is_none();
+                enabled = is_enabling.then(Instant::now);
+                tell(if is_enabling { OperatorCommand::Enable } else { OperatorCommand::Release });
+                match key[0] {
+                    b'h' => tell(OperatorCommand::Home),
+                    b'r' => tell(OperatorCommand::Reset),
+                    b'q' => tell(OperatorCommand::Shutdown),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// A command a line, see [`command`].
+fn lines(mut queue: Producer<OperatorCommand>) {
+    let (mut line, mut bytes) = (Vec::with_capacity(LONGEST_LINE), [0; LONGEST_LINE]);
+    loop {
+        let read = read_within(&mut bytes, None).unwrap_or(0);
+        for byte in &bytes[..read] {
+            match byte {
+                b'\n' => {
+                    match command(&String::from_utf8_lossy(&line)) {
+                        Ok(command) => command.into_iter().for_each(|command| give(&mut queue, command)),
+                        Err(reason) => say(format_args!("can-bridge: operator: {reason}")),
+                    }
+                    line.clear();
+                }
+                _ if line.len() < LONGEST_LINE => line.push(*byte),
+                _ => {}
+            }
+        }
+        if read == 0 {
+            say(format_args!("can-bridge: the operator's input has ended: let go; SIGTERM ends the program"));
+            return give(&mut queue, OperatorCommand::Release);
+        }
+    }
+}
+
+/// Bytes read from stdin, 0 at its end; `None` if nothing came in time.
+fn read_within(bytes: &mut [u8], time: Option<Duration>) -> Option<usize> {
+    let limit =
+        time.map(|time| Timespec { tv_sec: time.as_secs() as i64, tv_nsec: time.subsec_nanos().into() });
+    loop {
+        match poll(&mut [PollFd::new(&stdin(), PollFlags::IN)], limit.as_ref()) {
+            Ok(0) => return None,
+            Err(rustix::io::Errno::INTR) => {}
+            Ok(_) | Err(_) => return Some(rustix::io::read(stdin(), &mut *bytes).unwrap_or(0)),
+        }
+    }
+}
+
+/// What a line asks; nothing if it is empty.
+pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
+    let mut words = line.split_ascii_whitespace();
+    let Some(word) = words.next() else { return Ok(None) };
+    let command = match word {
+        "home" => OperatorCommand::Home,
+        "enable" => OperatorCommand::Enable,
+        "release" => OperatorCommand::Release,
+        "reset" => OperatorCommand::Reset,
+        "shutdown" => OperatorCommand::Shutdown,
+        "goal" => return goal(words.collect()).map(Some),
+        _ => {
+            return Err(format!(
+                "{line:?}: expected home, enable, release, goal x y z [roll pitch yaw], reset or shutdown"
+            ));
+        }
+    };
+    match words.next() {
+        None => Ok(Some(command)),
+        Some(more) => Err(format!("{line:?}: {more:?} is too much")),
+    }
+}
+
+/// How [`command`] understands it, every number in full.
+pub fn text(command: &OperatorCommand) -> String {
+    match command {
+        OperatorCommand::Home => "home".to_owned(),
+        OperatorCommand::Enable => "enable".to_owned(),
+        OperatorCommand::Release => "release".to_owned(),
+        OperatorCommand::Reset => "reset".to_owned(),
+        OperatorCommand::Shutdown => "shutdown".to_owned(),
+        OperatorCommand::Goal(pose) => {
+            pose.0.iter().fold("goal".to_owned(), |text, number| text + &format!(" {number}"))
+        }
+    }
+}
+
+fn goal(words: Vec<&str>) -> Result<OperatorCommand, String> {
+    let allowed = "a goal is x y z (m) or x y z roll pitch yaw (m, rad), below the base: z > 0";
+    let numbers: Vec<f64> =
+        words.iter().filter_map(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).collect();
+    if numbers.len() != words.len() || !matches!(numbers.len(), 3 | 6) || numbers[2] <= 0.0 {
+        return Err(format!("goal {}: {allowed}", words.join(" ")));
+    }
+    let mut pose = Coordinates::zeros();
+    pose.as_mut_slice()[..numbers.len()].copy_from_slice(&numbers);
+    Ok(OperatorCommand::Goal(Pose(pose)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_come_back_as_they_were_written() {
+        let pose = Pose(Coordinates::from([0.1 + 0.2, -1e-17, 1.0 / 3.0, 0.0, -0.0, 0.25]));
+        for command_given in [
+            OperatorCommand::Home,
+            OperatorCommand::Enable,
+            OperatorCommand::Release,
+            OperatorCommand::Reset,
+            OperatorCommand::Shutdown,
+            OperatorCommand::Goal(pose),
+        ] {
+            assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));
+        }
+        assert_eq!(command(" goal 0.1  0 1\r"), Ok(Some(OperatorCommand::Goal(Pose::at(0.1, 0.0, 1.0)))));
+        assert_eq!(command(""), Ok(None));
+    }
+
+    /// The program takes them up slower than somebody gives them.
+    #[test]
+    fn a_release_behind_a_flood_of_lines_is_not_dropped() {
+        let (mut producer, mut consumer) = RingBuffer::new(16);
+        let flood = thread::spawn(move || {
+            (0..100).for_each(|_| give(&mut producer, OperatorCommand::Enable));
+            give(&mut producer, OperatorCommand::Release);
+        });
+        let mut taken = vec![];
+        while taken.last() != Some(&OperatorCommand::Release) {
+            assert!(taken.len() < 101, "the release is missing");
+            thread::sleep(Duration::from_millis(1));
+            taken.extend(std::iter::from_fn(|| consumer.pop().ok()));
+        }
+        flood.join().unwrap();
+        assert_eq!(taken.len(), 101);
+    }
+
+    #[test]
+    fn what_is_no_command_is_refused_with_what_would_be_right() {
+        assert!(command("go").unwrap_err().contains("expected home, enable"));
+        assert!(command("enable now").unwrap_err().contains("\"now\" is too much"));
+        for goal in ["goal", "goal 1 2", "goal 0 0 -1", "goal 0 0 nan", "goal 0 0 one", "goal 0 0 1 2"] {
+            assert!(command(goal).unwrap_err().contains("a goal is x y z"), "{goal}");
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! A session on disk: the log (see [`log`]), and from the first time the controller pulls a run folder for the report.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs};
+use cable_robot::robot::Pose;
+use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot_fieldbus::bridge::{CycleReport, Event};
+use cable_robot_fieldbus::{CABLES, Config, Nanoseconds, OperatorCommand, State};
+use cable_robot_report::recording::{Recording as Rows, columns};
+use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
+use nalgebra::Vector3;
+
+use super::controller::FmuController;
+use super::entry::{Cycle, Entry, Input};
+use super::log::{self, Direction};
+
+/// What an encoder and a load cell do not tell.
+const NOT_MEASURED: [&str; 3] = ["plant.velocity", "plant.angularVelocity", "plant.disturbance"];
+
+/// Files that are there once something was recorded.
+const SIGNS: [&str; 5] = [log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON];
+
+/// Refuses a folder with a recording in it.
+pub fn refuse_to_overwrite(folder: &Path) -> Result<()> {
+    if let Some(name) = SIGNS.iter().find(|name| folder.join(name).exists()) {
+        bail!("{} already holds a recording ({name}): name another folder, or remove it", folder.display());
+    }
+    Ok(())
+}
+
+/// A file to which only whole rows are handed, all together when it is flushed: after `kill -9` none is cut.
+struct RowFile {
+    file: File,
+    rows: Vec<u8>,
+}
+
+impl RowFile {
+    fn create(path: &Path) -> io::Result<Self> {
+        Ok(Self { file: File::create(path)?, rows: vec![] })
+    }
+}
+
+impl Write for RowFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.rows.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.write_all(&self.rows)?;
+        self.rows.clear();
+        Ok(())
+    }
+}
+
+/// The files of a session, being written.
+pub struct Recording {
+    config: Config,
+    frames: RowFile,
+    inputs: csv::Writer<RowFile>,
+    cycles: csv::Writer<RowFile>,
+    run: Run,
+    received: u64,
+    sent: u64,
+    cycle: u64,
+}
+
+impl Recording {
+    /// Makes the folder and its files.
+    pub fn create(
+        folder: &Path,
+        rig_text: &str,
+        config: &Config,
+        controller: &FmuController,
+        is_dry: bool,
+    ) -> Result<Self> {
+        run_folder::make(folder)?;
+        let create = |name: &str| {
+            let path = folder.join(name);
+            RowFile::create(&path).with_context(|| format!("cannot write {}", path.display()))
+        };
+        fs::write(folder.join(log::RIG), rig_text).context("cannot write the copy of the rig file")?;
+        let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
+        inputs.write_record(["cycle", "input"])?;
+        if is_dry {
+            inputs.write_record(["0", log::DRY_RUN])?;
+        }
+        let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
+        cycles.write_record(log::columns())?;
+        Ok(Self {
+            frames: create(log::FRAMES)?,
+            inputs,
+            cycles,
+            run: Run::new(folder, config, controller),
+            config: config.clone(),
+            received: 0,
+            sent: 0,
+            cycle: 0,
+        })
+    }
+
+    /// Writes down what happened.
+    pub fn take(&mut self, entry: &Entry) -> io::Result<()> {
+        match entry {
+            Entry::Received(on_bus) => {
+                self.received += 1;
+                writeln!(self.frames, "{}", log::frame_line(&self.config, on_bus, Direction::Received))?;
+            }
+            Entry::Sent(on_bus) => {
+                self.sent += 1;
+                writeln!(self.frames, "{}", log::frame_line(&self.config, on_bus, Direction::Sent))?;
+            }
+            Entry::Input(input) => {
+                if let Input::Operator(OperatorCommand::Goal(goal)) = input {
+                    self.run.goal = *goal;
+                }
+                self.input(&log::input_text(&self.config, input))?;
+            }
+            Entry::Lost(_) => self.input(log::GAP)?,
+            Entry::Event(_, Event::Entered(State::Enabled)) => self.run.is_enabled_anew = true,
+            Entry::Cycle(cycle) => self.take_cycle(cycle)?,
+            Entry::Event(..) | Entry::Refused(..) | Entry::Note(..) => {}
+        }
+        Ok(())
+    }
+
+    fn input(&mut self, text: &str) -> io::Result<()> {
+        self.inputs.write_record([&self.cycle.to_string(), text])?;
+        // Never behind the cycles, even if the program is killed.
+        self.inputs.flush()
+    }
+
+    fn take_cycle(&mut self, cycle: &Cycle) -> io::Result<()> {
+        self.cycles.write_record(log::row(cycle, self.received, self.sent))?;
+        self.sent = 0;
+        self.cycle += 1;
+        self.run.take(&cycle.report)
+    }
+
+    /// Hands everything to the system: frames first, so that no row of the cycles tells of frames that are not there.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.frames.flush()?;
+        self.inputs.flush()?;
+        self.cycles.flush()?;
+        self.run.csv.as_mut().map_or(Ok(()), csv::Writer::flush)
+    }
+}
+
+/// The run folder in it: rows from the first cycle in which the controller may pull.
+struct Run {
+    folder: PathBuf,
+    info: RunInfo,
+    rows: Rows,
+    csv: Option<csv::Writer<RowFile>>,
+    begun: Nanoseconds,
+    answer: Option<ControllerOutputs>,
+    goal: Pose,
+    is_enabled_anew: bool,
+}
+
+impl Run {
+    fn new(folder: &Path, config: &Config, controller: &FmuController) -> Self {
+        let info = RunInfo {
+            format: FORMAT,
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            title: config.name.clone(),
+            scenario: None,
+            controller: controller.info(),
+            plant: run_folder::Model::Rig,
+            rig: config.name.clone(),
+            step: config.period as f64 * 1e-9,
+            controller_parameters: controller.parameters(),
+            plant_parameters: PlantParameters {
+                rig: config.controller.rig(),
+                initial_pose: config.home,
+                ..PlantParameters::default()
+            },
+        };
+        Self {
+            folder: folder.to_owned(),
+            info,
+            rows: Rows::new(CABLES),
+            csv: None,
+            begun: 0,
+            answer: None,
+            goal: config.home,
+            is_enabled_anew: false,
+        }
+    }
+
+    fn take(&mut self, report: &CycleReport) -> io::Result<()> {
+        self.answer = report.controller.or(self.answer);
+        let is_shown = match report.state {
+            State::Enabled | State::Shadow => true,
+            State::Stopping | State::Safe | State::Fault => self.csv.is_some(),
+            State::Configuring | State::Homing | State::TakingUpSlack | State::Ready | State::Off => false,
+        };
+        let Some(answer) = self.answer.filter(|_| is_shown) else { return Ok(()) };
+        if self.is_enabled_anew && report.state == State::Enabled {
+            let at = report.pose.position();
+            (self.is_enabled_anew, self.goal) = (false, Pose::at(at.x, at.y, at.z));
+        }
+        if self.csv.is_none() {
+            self.begin(report.time)?;
+        }
+        let moment = moment(report, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
+        let row = self.rows.row(&moment);
+        let kept = columns(CABLES)
+            .into_iter()
+            .zip(row)
+            .filter(|(name, _)| is_measured(name))
+            .map(|(_, value)| value);
+        let row: Vec<f64> = std::iter::once(moment.time).chain(kept).collect();
+        self.csv.as_mut().map_or(Ok(()), |csv| csv.serialize(row).map_err(io::Error::from))
+    }
+
+    fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
+        let mut csv = csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV))?);
+        let kept = columns(CABLES).into_iter().filter(|name| is_measured(name));
+        csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
+        fs::write(self.folder.join(RUN_JSON), serde_json::to_string_pretty(&self.info)? + "\n")?;
+        (self.csv, self.begun) = (Some(csv), time);
+        Ok(())
+    }
+}
+
+fn is_measured(column: &str) -> bool {
+    !NOT_MEASURED.iter().any(|name| column.starts_with(name))
+}
+
+/// The rig as a plant: what its encoders and load cells say.
+fn moment(report: &CycleReport, answer: &ControllerOutputs, goal: Pose, time: f64) -> Moment {
+    Moment {
+        time,
+        controller_inputs: ControllerInputs {
+            encoder_pose: report.pose,
+            cable_length: report.length.into(),
+            measured_tension: report.measured.into(),
+            goal_pose: goal,
+            enable: report.state == State::Enabled,
+        },
+        controller: ControllerOutputs { motor_tension: report.tension.into(), ..*answer },
+        plant_inputs: PlantInputs { motor_tension: report.tension.into(), ..PlantInputs::none(CABLES) },
+        plant: PlantOutputs {
+            encoder_pose: report.pose,
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            cable_length: report.length.into(),
+            measured_tension: report.measured.into(),
+            slack: report.measured.map(|tension| tension <= 0.0).into(),
+        },
+    }
+}

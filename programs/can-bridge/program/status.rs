@@ -1,0 +1,192 @@
+//! What a person looks at, and what a program reads, while a session runs.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use cable_robot_fieldbus::bridge::CycleReport;
+use cable_robot_fieldbus::bus_load::worst_case_bits;
+use cable_robot_fieldbus::{Config, Nanoseconds};
+use hdrhistogram::Histogram;
+use serde_json::{Value, json};
+
+use super::entry::{Cycle, Entry};
+use super::outlet::Outlet;
+use super::terminal::say;
+
+/// Largest time that is told apart, and to how many digits.
+const LONGEST: Nanoseconds = 60_000_000_000;
+const DIGITS: u8 = 2;
+/// The bus load is that of the last second.
+const WINDOW: Nanoseconds = 1_000_000_000;
+
+/// Everything that is shown, kept up to date.
+pub struct Status {
+    /// Least and greatest tension allowed, N.
+    limits: [f64; 2],
+    bit_rate: Vec<f64>,
+    lateness: Histogram<u64>,
+    latency: Histogram<u64>,
+    report: Option<CycleReport>,
+    cycles: u64,
+    missed: u64,
+    lost: u64,
+    frames: u64,
+    /// Time, bus and worst-case bits of the frames of the last second.
+    recent: VecDeque<(Nanoseconds, usize, u32)>,
+}
+
+impl Status {
+    /// Nothing has happened yet.
+    pub fn new(config: &Config, limits: [f64; 2]) -> Result<Self> {
+        let histogram = || Histogram::new_with_bounds(1, LONGEST, DIGITS);
+        Ok(Self {
+            limits,
+            bit_rate: config.buses.iter().map(|bus| bus.bit_rate).collect(),
+            lateness: histogram()?,
+            latency: histogram()?,
+            report: None,
+            cycles: 0,
+            missed: 0,
+            lost: 0,
+            frames: 0,
+            recent: VecDeque::new(),
+        })
+    }
+
+    /// Takes in what happened.
+    pub fn take(&mut self, entry: &Entry) {
+        match entry {
+            Entry::Received(frame) | Entry::Sent(frame) => {
+                self.frames += 1;
+                let bits = worst_case_bits(frame.frame.length());
+                self.recent.push_back((frame.time, frame.bus, bits));
+                while self.recent.front().is_some_and(|(time, ..)| time + WINDOW < frame.time) {
+                    self.recent.pop_front();
+                }
+            }
+            Entry::Cycle(Cycle { report, lateness, latency, missed }) => {
+                self.cycles += 1;
+                self.missed += missed;
+                self.lateness.saturating_record(*lateness);
+                latency.iter().for_each(|latency| self.latency.saturating_record(*latency));
+                self.report = Some(*report);
+            }
+            Entry::Lost(count) => self.lost += count,
+            Entry::Input(_) | Entry::Event(..) | Entry::Refused(..) | Entry::Note(..) => {}
+        }
+    }
+
+    /// Share of each bus that the frames of the last second took, stuffed at worst.
+    fn loads(&self) -> Vec<f64> {
+        let bits = |bus: usize| {
+            self.recent.iter().filter(|frame| frame.1 == bus).map(|frame| f64::from(frame.2)).sum::<f64>()
+        };
+        let share = |(bus, rate): (usize, &f64)| bits(bus) * 1e9 / WINDOW as f64 / rate;
+        self.bit_rate.iter().enumerate().map(share).collect()
+    }
+
+    /// How far each cable is from its nearer limit, N.
+    fn margins(&self, report: &CycleReport) -> [f64; 6] {
+        report.measured.map(|tension| (tension - self.limits[0]).min(self.limits[1] - tension))
+    }
+
+    /// For a terminal.
+    pub fn line(&self) -> String {
+        let Some(report) = &self.report else { return "waiting for the first cycle".to_owned() };
+        let [p50, p99, max] = percentiles(&self.lateness);
+        let loads: Vec<_> = self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load)).collect();
+        let margins: Vec<_> = self.margins(report).iter().map(|margin| tenths(*margin)).collect();
+        let fault = report.fault.map_or(String::new(), |fault| format!(" | {fault}"));
+        format!(
+            "{} | late {p50:.0}/{p99:.0}/{max:.0} µs, {} missed | bus {} | margins {} N{fault}",
+            report.state,
+            self.missed,
+            loads.join(" "),
+            margins.join(" "),
+        )
+    }
+
+    /// For machines.
+    pub fn json(&self) -> Value {
+        let Some(report) = &self.report else { return Value::Null };
+        let times = |histogram| {
+            let [p50, p99, max] = percentiles(histogram);
+            json!({ "p50": p50, "p99": p99, "max": max })
+        };
+        json!({
+            "time": report.time as f64 * 1e-9,
+            "state": report.state.to_string(),
+            "fault": report.fault.map(|fault| fault.to_string()),
+            "pose": report.pose.0.as_slice(),
+            "length": report.length,
+            "measured": report.measured,
+            "tension": report.tension,
+            "margin": self.margins(report),
+            "predictedMargin": report.controller.map(|answer| answer.tension_margin),
+            "controller": report.controller.map(|answer| format!("{:?}", answer.status)),
+            "cycles": self.cycles,
+            "missedCycles": self.missed,
+            "lostEntries": self.lost,
+            "latenessMicroseconds": times(&self.lateness),
+            "latencyMicroseconds": times(&self.latency),
+            "frames": self.frames,
+            "busLoad": self.loads(),
+        })
+    }
+
+    /// At the end.
+    pub fn summary(&self) -> String {
+        let [p50, p99, max] = percentiles(&self.lateness);
+        let [first, second, third] = percentiles(&self.latency);
+        format!(
+            "{} cycles, {} missed; {} frames; late by {p50:.0} µs (p50), {p99:.0} µs (p99), {max:.0} µs (max); from encoder to \
+             torque {first:.0} µs (p50), {second:.0} µs (p99), {third:.0} µs (max)",
+            self.cycles, self.missed, self.frames
+        )
+    }
+}
+
+/// To a tenth, never -0.
+fn tenths(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
+}
+
+/// p50, p99 and the largest, µs.
+fn percentiles(histogram: &Histogram<u64>) -> [f64; 3] {
+    [histogram.value_at_quantile(0.5), histogram.value_at_quantile(0.99), histogram.max()]
+        .map(|time| time as f64 / 1e3)
+}
+
+/// Where the status for machines goes, a JSON object a line, each at once. Lines that nobody reads are dropped and counted.
+pub struct Stream {
+    outlet: Outlet<String>,
+}
+
+impl Stream {
+    /// Into this file; `-` is stdout.
+    pub fn create(path: &Path) -> Result<Self> {
+        let mut file: Box<dyn Write + Send> = if path == Path::new("-") {
+            Box::new(io::stdout())
+        } else {
+            Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)
+        };
+        let write = move |line: String| {
+            let written = file.write_all(line.as_bytes()).and_then(|()| file.flush());
+            written.inspect_err(|reason| say(format_args!("can-bridge: the status stream ends: {reason}")))
+        };
+        Ok(Self { outlet: Outlet::new("status", write)? })
+    }
+
+    /// A line.
+    pub fn write(&self, value: &Value) {
+        self.outlet.push(format!("{value}\n"));
+    }
+
+    /// Waits for its readers, but not for long. How many lines were not written.
+    pub fn finish(&self) -> u64 {
+        self.outlet.finish()
+    }
+}

@@ -1,0 +1,467 @@
+//! Bridge and simulated rig in simulated time: how many cycles each fault takes, exactly.
+
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
+use cable_robot::sim::PlantParameters;
+use cable_robot_fieldbus::CABLES;
+use cable_robot_fieldbus::bridge::{Cause, Event, Fault, TransportError};
+use cable_robot_fieldbus::cia402::{DriveState, MAX_TORQUE};
+use cable_robot_fieldbus::controller::ControllerFailure;
+use cable_robot_fieldbus::frame::{Frame, FrameKind, error_class};
+use cable_robot_fieldbus::simulated::Bench;
+use cable_robot_fieldbus::{
+    Config, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
+};
+
+use crate::table::{Row, count};
+use crate::{Case, ensure};
+
+const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
+/// Cycles of a silence that are bridged (`lost_cycles`), one that is the fault, and one that is on its way.
+const SILENCE: u32 = 4 + 1 + 1;
+/// How long a move with something wrong is watched, s.
+const LONG: f64 = 10.0;
+
+/// Something that fails 0.4 s into the paper's move, and what must come of it.
+#[derive(Clone, Copy)]
+struct Failure {
+    name: &'static str,
+    /// What goes wrong, in the words of `rig-sim`; may be empty.
+    words: &'static str,
+    /// What goes wrong elsewhere, once and then in every cycle.
+    once: fn(&mut Bench),
+    every_cycle: fn(&mut Bench),
+    /// Cycles after which the controller's tensions must have ended.
+    cycles: u32,
+    cause: fn(&Cause) -> bool,
+}
+
+const NOTHING: Failure = Failure {
+    name: "",
+    words: "",
+    once: |_| {},
+    every_cycle: |_| {},
+    cycles: 1,
+    cause: |cause| matches!(cause, Cause::Fault(_)),
+};
+
+static FAILURES: [Failure; 27] = [
+    Failure {
+        name: "20 % of the frames lost",
+        words: "lose 20%",
+        cycles: 1000,
+        cause: |cause| {
+            use Fault::*;
+            let silent = |fault: &Fault| {
+                matches!(fault, EncoderSilent { .. } | LoadCellSilent { .. } | HeartbeatLost { .. })
+            };
+            matches!(cause, Cause::Fault(fault) if silent(fault))
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "stale encoder",
+        words: "drive 3 frozen",
+        cycles: SILENCE + 1,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::EncoderFrozen { cable: 3 })),
+        ..NOTHING
+    },
+    Failure {
+        name: "encoder silent",
+        words: "drive 3 silent",
+        cycles: SILENCE,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::EncoderSilent { cable: 3 })),
+        ..NOTHING
+    },
+    Failure {
+        name: "encoder out of range",
+        words: "drive 3 jumps 20000",
+        cycles: 2,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::EncoderJump { cable: 3, .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "load cell says NaN",
+        words: "cell 4 says nan",
+        cycles: SILENCE,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::LoadCellAbsurd { cable: 4, tension }) if tension.is_nan()),
+        ..NOTHING
+    },
+    Failure {
+        name: "load cell out of range",
+        words: "cell 4 says 100000",
+        cycles: SILENCE,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::LoadCellAbsurd { cable: 4, .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "load cell silent",
+        words: "cell 4 silent",
+        cycles: SILENCE,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::LoadCellSilent { cable: 4 })),
+        ..NOTHING
+    },
+    Failure {
+        name: "load cell stuck",
+        words: "cell 4 stuck",
+        cycles: 100,
+        cause: |cause| {
+            matches!(
+                cause,
+                Cause::Fault(Fault::LoadCellStuck { cable: 4 } | Fault::LoadCellDisagrees { cable: 4, .. })
+            )
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "load cell absurd",
+        words: "cell 4 says 100",
+        cycles: 25 + 2,
+        cause: |cause| {
+            matches!(
+                cause,
+                Cause::Fault(Fault::LoadCellStuck { cable: 4 } | Fault::LoadCellDisagrees { cable: 4, .. })
+            )
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "drive fault with EMCY",
+        words: "drive 5 emcy 0x2310",
+        cycles: 1,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::Emergency(message)) if (message.node, message.code) == (5, 0x2310)),
+        ..NOTHING
+    },
+    Failure {
+        name: "drive fault without EMCY",
+        words: "drive 5 fault",
+        cycles: 2,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::DriveFault { node: 5, state: DriveState::Fault })),
+        ..NOTHING
+    },
+    Failure {
+        name: "drive reboots",
+        words: "drive 1 reboot",
+        cycles: SILENCE,
+        cause: |cause| {
+            matches!(cause, Cause::Fault(Fault::EncoderSilent { cable: 1 } | Fault::Rebooted { node: 1 }))
+        },
+        ..NOTHING
+    },
+    Failure { name: "drive stopped by somebody", words: "drive 2 stopped", cycles: SILENCE, ..NOTHING },
+    Failure {
+        name: "heartbeat loss",
+        words: "drive 6 no-heartbeat",
+        cycles: 100 / 4 + 1,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::HeartbeatLost { node: 6 })),
+        ..NOTHING
+    },
+    Failure {
+        name: "bus-off report",
+        once: |bench| {
+            let report = Frame::new(FrameKind::Error, error_class::BUS_OFF, &[0; 8]);
+            report.into_iter().for_each(|frame| bench.inject(0, frame));
+        },
+        cause: |cause| matches!(cause, Cause::Fault(Fault::BusOff { bus: 0 })),
+        ..NOTHING
+    },
+    Failure {
+        name: "ENOBUFS, nothing sent any more",
+        words: "cut",
+        every_cycle: |bench| bench.bridge.on_transport_error(0, TransportError::NoRoom),
+        cycles: SILENCE,
+        cause: |cause| {
+            matches!(
+                cause,
+                Cause::Fault(
+                    Fault::Transport { error: TransportError::NoRoom, .. } | Fault::EncoderSilent { .. }
+                )
+            )
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "link down",
+        words: "cut",
+        every_cycle: |bench| bench.bridge.on_transport_error(0, TransportError::Down),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::Transport { error: TransportError::Down, .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "link removed",
+        words: "cut",
+        every_cycle: |bench| bench.bridge.on_transport_error(0, TransportError::Gone),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::Transport { error: TransportError::Gone, .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "cable cut",
+        words: "cut",
+        cycles: SILENCE,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::EncoderSilent { .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "controller fails",
+        once: |bench| go_wrong(bench, |_| Err(ControllerFailure { reason: "fmi3Error".to_owned() })),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::ControllerFailed)),
+        ..NOTHING
+    },
+    Failure {
+        name: "controller answers NaN",
+        once: |bench| go_wrong(bench, |outputs| Ok(pulling(outputs, f64::NAN))),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::ControllerOutput { cable: 2, tension }) if tension.is_nan()),
+        ..NOTHING
+    },
+    Failure {
+        name: "controller asks for 1000 N",
+        once: |bench| go_wrong(bench, |outputs| Ok(pulling(outputs, 1e3))),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::ControllerOutput { cable: 2, .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "controller overrun, 24 ms",
+        once: |bench| _ = bench.cycle_at(bench.now + 6 * bench.bridge.config().period),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::Overrun { .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "clock goes back by 10 ms",
+        once: |bench| _ = bench.cycle_at(bench.now - 10_000_000),
+        cause: |cause| matches!(cause, Cause::Fault(Fault::ClockBackwards { .. })),
+        ..NOTHING
+    },
+    Failure {
+        name: "operator lets go",
+        once: |bench| {
+            bench.is_pressed = false;
+            _ = bench.bridge.operator(OperatorCommand::Release, bench.now);
+        },
+        cause: |cause| *cause == Cause::Released,
+        ..NOTHING
+    },
+    Failure {
+        name: "operator's enable not given again",
+        once: |bench| bench.is_pressed = false,
+        cycles: 500 / 4 + 1,
+        cause: |cause| *cause == Cause::EnableExpired,
+        ..NOTHING
+    },
+    Failure {
+        name: "shutdown (SIGTERM)",
+        once: |bench| _ = bench.bridge.operator(OperatorCommand::Shutdown, bench.now),
+        cause: |cause| *cause == Cause::Shutdown,
+        ..NOTHING
+    },
+];
+
+/// All of them.
+pub fn cases() -> Vec<Case> {
+    let case = |name, run| Case { name, kind: "simulated", run };
+    let mut cases: Vec<Case> = [
+        ("1 % of the frames lost", "lose 1%"),
+        ("5 % of the frames lost", "lose 5%"),
+        ("20 % of the frames doubled", "double 20%"),
+    ]
+    .into_iter()
+    .map(|(name, words)| case(name, Box::new(move || ridden_through(name, words)) as _))
+    .collect();
+    cases.extend(FAILURES.iter().map(|failure| case(failure.name, Box::new(|| ended(failure)) as _)));
+    cases.push(case(
+        "drive refuses the mode",
+        Box::new(|| {
+            refused_at_start("drive refuses the mode", "drive 2 refuses-mode", |fault| {
+                *fault == Fault::ModeRefused { node: 2, found: 0 }
+            })
+        }),
+    ));
+    cases.push(case(
+        "SDO abort at start",
+        Box::new(|| {
+            refused_at_start("SDO abort at start", "drive 2 refuses 0x6072 0x06090031", |fault| {
+                *fault == Fault::Refused { node: 2, object: MAX_TORQUE, code: 0x0609_0031 }
+            })
+        }),
+    ));
+    cases.push(case("kill -9", Box::new(killed) as _));
+    cases
+}
+
+fn bench() -> Result<Bench, String> {
+    let text = std::fs::read_to_string(RIG).map_err(|error| format!("{RIG}: {error}"))?;
+    let config = Config::parse(&text).map_err(|error| error.to_string())?;
+    let imperfections = PlantParameters {
+        friction: 0.2,
+        motor_lag: 2e-3,
+        load_cell_noise: 0.05,
+        ..PlantParameters::default()
+    };
+    Bench::new(config, imperfections).map_err(|error| error.to_string())
+}
+
+/// 0.4 s into the paper's move.
+fn moving() -> Result<Bench, String> {
+    let mut bench = bench()?;
+    ensure(bench.start(), || format!("did not start: {:?}", bench.events.last()))?;
+    bench.run(1.0);
+    bench.go_to(0.15, 0.15, 1.0);
+    bench.run(0.4);
+    bench.events.clear();
+    Ok(bench)
+}
+
+/// What goes wrong does not stop the move, and no cable gets slack.
+fn ridden_through(name: &str, words: &str) -> Result<Row, String> {
+    let mut bench = moving()?;
+    bench.suffer(words).map_err(|error| error.to_string())?;
+    let reports = bench.run(LONG);
+    ensure(bench.bridge.state() == State::Enabled, || format!("ended: {:?}", bench.events.last()))?;
+    let least = reports.iter().flat_map(|report| report.measured).fold(f64::INFINITY, f64::min);
+    ensure(least > 0.0, || format!("smallest tension {least} N"))?;
+    finish(name, "goes on".to_owned(), [None, None], bench, format!("none; smallest tension {least:.1} N"))
+}
+
+/// What goes wrong ends the controller's tensions within the stated cycles, and the safe output follows after its ramp.
+fn ended(failure: &Failure) -> Result<Row, String> {
+    let mut bench = moving()?;
+    let period = bench.bridge.config().period;
+    let ramp = bench.bridge.config().cycles(bench.bridge.config().safe.ramp);
+    if !failure.words.is_empty() {
+        bench.suffer(failure.words).map_err(|error| error.to_string())?;
+    }
+    (failure.once)(&mut bench);
+    let mut cycles = 0;
+    // A fault that is a late cycle has had its cycle already.
+    let mut until = |bench: &mut Bench, is_there: fn(State) -> bool, most: u32| {
+        while !is_there(bench.bridge.state()) && cycles <= most {
+            (failure.every_cycle)(bench);
+            bench.cycle();
+            cycles += 1;
+        }
+        cycles
+    };
+    let ended = until(&mut bench, |state| state != State::Enabled, failure.cycles).max(1);
+    let safe =
+        until(&mut bench, |state| matches!(state, State::Safe | State::Fault | State::Off), ended + ramp);
+    ensure(ended <= failure.cycles, || {
+        format!("the controller's tensions went on for more than {} cycles", failure.cycles)
+    })?;
+    ensure(safe <= ended + ramp, || format!("no safe output {ramp} cycles after cycle {ended}"))?;
+    for _ in 0..bench.bridge.config().cycles(1_000_000_000) {
+        (failure.every_cycle)(&mut bench);
+        bench.cycle();
+    }
+    let stopped = bench.events.iter().find_map(|(_, event)| match event {
+        Event::Stopped(cause) => Some(*cause),
+        _ => None,
+    });
+    let cause = stopped.ok_or("nothing was logged")?;
+    ensure((failure.cause)(&cause), || format!("ended by {cause:?}"))?;
+    let time = |cycles: u32| Some(u64::from(cycles) * period);
+    let line = match cause {
+        Cause::Fault(fault) => fault.to_string(),
+        cause => format!("{cause:?}"),
+    };
+    let stated = format!("{} ms", u64::from(failure.cycles) * period / 1_000_000);
+    finish(failure.name, stated, [time(ended), time(safe)], bench, line)
+}
+
+/// What is wrong before the first torque lets none come.
+fn refused_at_start(name: &str, words: &str, is_expected: fn(&Fault) -> bool) -> Result<Row, String> {
+    let mut bench = bench()?;
+    bench.suffer(words).map_err(|error| error.to_string())?;
+    ensure(bench.run_until(State::Fault, 20.0), || "no fault".to_owned())?;
+    let fault = bench.events.iter().find_map(|(_, event)| match event {
+        Event::Fault(fault) => Some(*fault),
+        _ => None,
+    });
+    let fault = fault.ok_or("nothing was logged")?;
+    ensure(is_expected(&fault), || format!("ended by {fault:?}"))?;
+    for command in [OperatorCommand::Home, OperatorCommand::Enable] {
+        ensure(bench.bridge.operator(command, bench.now).is_err(), || format!("{command:?} was taken"))?;
+    }
+    bench.run(1.0);
+    ensure(bench.rig.oldest_command() == 0, || "a motor pulled".to_owned())?;
+    finish(name, "no torque at all".to_owned(), [None, None], bench, fault.to_string())
+}
+
+/// Without a bridge only the drives can act.
+fn killed() -> Result<Row, String> {
+    let mut bench = moving()?;
+    let (killed, mut now) = (bench.now, bench.now);
+    let watchdog = bench.bridge.config().heartbeat.drive_watchdog;
+    let mut sent = vec![];
+    while bench.rig.motor_tension() != [0.0; CABLES] {
+        now += 1_000_000;
+        bench.rig.tick(now, &mut sent);
+        ensure(now - killed <= watchdog + 1_000_000, || "a motor still pulls".to_owned())?;
+    }
+    let time = Some(now - killed);
+    let stated = format!("{} ms", watchdog / 1_000_000);
+    Ok(Row {
+        exit: None,
+        ..row("kill -9", stated, [time, time], &bench, "none; EMCY 0x8130 of each drive".to_owned())
+    })
+}
+
+/// Checks what holds in every case, ends the program and notes what was seen.
+fn finish(
+    name: &str,
+    stated: String,
+    times: [Option<Nanoseconds>; 2],
+    mut bench: Bench,
+    line: String,
+) -> Result<Row, String> {
+    let watchdog = bench.bridge.config().heartbeat.drive_watchdog;
+    let period = bench.bridge.config().period;
+    let oldest = bench.rig.oldest_command();
+    ensure(oldest <= watchdog + period, || {
+        format!("a motor followed a command for {} ms", oldest / 1_000_000)
+    })?;
+    let row = row(name, stated, times, &bench, line);
+    bench.link.faults = Default::default();
+    _ = bench.bridge.operator(OperatorCommand::Shutdown, bench.now);
+    let mut last = bench.cycle();
+    for _ in 0..bench.bridge.config().cycles(1_000_000_000) {
+        last = bench.cycle();
+    }
+    ensure(last.state == State::Off, || format!("not off, but {}", last.state))?;
+    ensure(bench.rig.motor_tension() == [0.0; CABLES], || "a motor pulls after the end".to_owned())?;
+    Ok(Row { exit: Some(if last.fault.is_some() { 5 } else { 0 }), ..row })
+}
+
+fn row(
+    name: &str,
+    stated: String,
+    [ended, safe]: [Option<Nanoseconds>; 2],
+    bench: &Bench,
+    line: String,
+) -> Row {
+    let states = bench.rig.drives.iter().map(|drive| drive.state().to_string());
+    let oldest = Some(bench.rig.oldest_command());
+    Row { name: name.to_owned(), stated, ended, safe, oldest, drives: count(states), exit: None, line }
+}
+
+/// A controller that is well and then is not.
+struct Failing {
+    controller: LibraryController,
+    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>,
+}
+
+impl TensionController for Failing {
+    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
+        (self.answer)(self.controller.step(time, inputs)?)
+    }
+}
+
+fn go_wrong(
+    bench: &mut Bench,
+    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>,
+) {
+    let controller = LibraryController::new(ControllerParameters::default());
+    bench.controller = Box::new(Failing { controller, answer });
+}
+
+fn pulling(mut outputs: ControllerOutputs, tension: f64) -> ControllerOutputs {
+    outputs.motor_tension[1] = tension;
+    outputs
+}
