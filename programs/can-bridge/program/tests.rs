@@ -47,6 +47,8 @@ static ALLOCATOR: Counting = Counting;
 /// The example, with times that a busy machine can keep.
 pub fn config() -> Config {
     let mut config = Config::parse(include_str!("../../../rigs/can/akd.toml")).unwrap();
+    config.controller.fmu =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu").to_owned();
     config.limits.lost_cycles = 100;
     config.heartbeat.timeout = 2_000_000_000;
     config.heartbeat.drive_watchdog = 2_000_000_000;
