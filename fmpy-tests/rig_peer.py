@@ -1,7 +1,7 @@
 """Six drives and six load cells on a CAN bus, after CiA 301 and CiA 402, with python-can and canopen.
 
 Written against the standards, to be a second opinion on what the bridge sends: nothing here was derived from the project's own
-codec or its simulated drives. From the rig file come node numbers, scaling and the load cells' objects only.
+codec or its simulated drives. From the fieldbus file come node numbers, scaling and the load cells' objects only.
 """
 
 import os
@@ -303,12 +303,12 @@ class Drive(Node):
 
 
 class Amplifier(Node):
-    """Load cells of one node, each in the object that the rig file names."""
+    """Load cells of one node, each in the object that the fieldbus file names."""
 
     TYPES = {"i16": types.INTEGER16, "i32": types.INTEGER32, "f32": types.REAL32}
 
     def __init__(self, number: int, cells: list):
-        """`cells`: entry of the rig file, and the drive that pulls at the same cable."""
+        """`cells`: entry of the fieldbus file, and the drive that pulls at the same cable."""
         self.cells = cells
         objects = [(cell["index"], self.TYPES[cell["encoding"]], 0, "ro", cell["subindex"]) for cell, _ in cells]
         super().__init__(number, 0x00020194, objects)
@@ -364,7 +364,7 @@ def dictionary(number: int, device_type: int, objects: list) -> canopen.ObjectDi
 
 
 class Lab:
-    """The nodes of a rig file whose platform stands on its stand: no cable moves, each load cell feels its motor."""
+    """The nodes of a fieldbus file whose platform stands on its stand: no cable moves, each load cell feels its motor."""
 
     def __init__(self, rig: dict):
         self.drives = [Drive(entry["node"], entry) for entry in rig["drives"]]

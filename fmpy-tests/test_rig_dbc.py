@@ -58,6 +58,7 @@ def test_load_cells_that_differ_are_read_as_they_are(dbc, tmp_path):
     # The second and third on one amplifier.
     cells[2] = cells[2].replace("node = 13", "node = 12").replace("subindex = 1", "subindex = 2")
     rig = tmp_path / "rig.toml"
+    head = head.replace('rig = "lab.toml"', f'rig = "{RIG.parent}/lab.toml"')
     rig.write_text("[[load_cells]]".join([head, *cells]))
     dbc = cantools.database.load_string(export(rig, "can0"), "dbc")
     assert dbc.decode_message(0x18B, struct.pack("<h", -300))["measuredTension_1"] == pytest.approx(-5.0)
@@ -71,4 +72,4 @@ def test_load_cells_that_differ_are_read_as_they_are(dbc, tmp_path):
 def test_a_bus_that_the_rig_does_not_have_is_refused():
     with pytest.raises(subprocess.CalledProcessError) as refusal:
         export(RIG, "can7")
-    assert "can7: the rig file knows can0" in refusal.value.stderr
+    assert "can7: the fieldbus file knows can0" in refusal.value.stderr

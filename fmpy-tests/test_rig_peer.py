@@ -29,6 +29,7 @@ PATIENT = {
     "lost_cycles": 20,
     "disagreement_time": 1.0,
     "fmu": f'"{ROOT}/target/fmu/fmi3/CableRobotController.fmu"',
+    "rig": f'"{ROOT}/rigs/can/lab.toml"',
 }
 
 

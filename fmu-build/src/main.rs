@@ -33,7 +33,7 @@ enum Task {
         /// Goes there and back for so long
         #[arg(long, requires = "rig")]
         minutes: Option<f64>,
-        /// Cycles a second, instead of what the rig file says
+        /// Cycles a second, instead of what the fieldbus file says
         #[arg(long, requires = "rig")]
         rate: Option<f64>,
     },

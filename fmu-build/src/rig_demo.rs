@@ -29,7 +29,7 @@ const GOALS: [&str; 2] = ["goal 0 0 1", "goal 0.15 0.15 1"];
 pub struct Wishes {
     /// Minutes of going there and back; none for one move.
     pub minutes: Option<f64>,
-    /// Cycles a second; that of the rig file if there is none.
+    /// Cycles a second; that of the fieldbus file if there is none.
     pub rate: Option<f64>,
 }
 
@@ -43,8 +43,8 @@ pub fn run(wishes: &Wishes) -> Result<()> {
     run_folder::make(&folder)?;
     pack::build()?;
     build(&root)?;
-    let rig_file = folder.join("rig-file.toml");
-    fs::write(&rig_file, rig_text(&root, wishes)?).context("cannot write the rig file")?;
+    let rig_file = folder.join("wishes.toml");
+    fs::write(&rig_file, fieldbus_text(&root, wishes)?).context("cannot write the fieldbus file")?;
     let rig = Command::new(root.join("target/release/rig-sim"))
         .arg(&rig_file)
         .args(IMPERFECTIONS)
@@ -98,13 +98,16 @@ fn build(root: &Path) -> Result<()> {
 
 /// The example, with another rate if one is wished. A long run bridges a tenth of a second: it measures the machine, and is not
 /// to end when that is late for once.
-fn rig_text(root: &Path, wishes: &Wishes) -> Result<String> {
+fn fieldbus_text(root: &Path, wishes: &Wishes) -> Result<String> {
     let mut text = fs::read_to_string(root.join(RIG)).context(RIG)?;
     let mut replace = |field: &str, value: String| {
-        let line = text.lines().find(|line| line.starts_with(field)).context("the rig file lacks a field")?;
+        let line =
+            text.lines().find(|line| line.starts_with(field)).context("the fieldbus file lacks a field")?;
         text = text.replacen(line, &format!("{field}{value}"), 1);
         anyhow::Ok(())
     };
+    let rig = root.join("rigs/can/lab.toml");
+    replace("rig = ", format!("{:?}", rig.display().to_string()))?;
     if let Some(rate) = wishes.rate {
         replace("rate = ", format!("{rate:?}"))?;
     }

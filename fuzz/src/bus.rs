@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use cable_robot::plan::ControllerParameters;
-use cable_robot::robot::Pose;
+use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::bridge::TransportError;
 use cable_robot_fieldbus::frame::FrameKind;
@@ -13,6 +13,7 @@ use cable_robot_fieldbus::{
 };
 
 const AKD: &str = include_str!("../../rigs/can/akd.toml");
+const LAB: &str = include_str!("../../rigs/can/lab.toml");
 
 /// The bytes are what happens, in its order: the first says where it begins.
 ///
@@ -40,10 +41,15 @@ struct World {
     is_pressed: bool,
 }
 
+/// The rig of the examples.
+pub fn lab() -> RigFile {
+    RigFile::parse(LAB).expect("the example is right")
+}
+
 impl World {
     /// Just started; set up; taut; under the controller; one that only listens.
     fn beginnings() -> Vec<Self> {
-        let config = Config::parse(AKD).expect("the example is right");
+        let config = Config::parse(AKD, &lab()).expect("the example is right");
         let fresh =
             || Bench::new(config.clone(), PlantParameters::default()).expect("an ideal plant is allowed");
         let (start, mut homing, mut ready, mut enabled) = (fresh(), fresh(), fresh(), fresh());

@@ -35,12 +35,13 @@ pub fn frames(data: &[u8]) {
     }
 }
 
-/// The file of a rig on CAN: refused with a reason, or good for a bridge that starts.
-pub fn rig_file(data: &[u8]) {
-    let Some(config) = understood(data, Config::parse) else { return };
+/// A fieldbus file: refused with a reason, or good for a bridge that starts.
+pub fn fieldbus_file(data: &[u8]) {
+    let lab = bus::lab();
+    let Some(config) = understood(data, |text| Config::parse(text, &lab)) else { return };
     assert!(bus_load::bus_loads(&config).iter().all(|bus| bus.load > 0.0 && bus.load.is_finite()));
     assert!((0..config.buses.len()).all(|bus| export::dbc(&config, bus).is_ascii()));
-    let parameters = ControllerParameters { rig: config.controller.rig(), ..ControllerParameters::default() };
+    let parameters = ControllerParameters { rig: config.rig, ..ControllerParameters::default() };
     let period = config.period;
     let (mut bridge, mut out) = (Bridge::new(config), FrameQueue::new());
     for k in 1..4 {

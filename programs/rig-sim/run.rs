@@ -7,11 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 
 use anyhow::{Context, Result, bail, ensure};
+use cable_robot::robot::PerCable;
 use cable_robot::sim::PlantParameters;
+use cable_robot_fieldbus::cia402::DriveState;
 use cable_robot_fieldbus::simulated::mishap::GRAMMAR;
-use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedRig, Support};
+use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedDrive, SimulatedRig, Support};
 use cable_robot_fieldbus::transport::now;
-use cable_robot_fieldbus::{CABLES, Config, Frame, Nanoseconds, PerCable};
+use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
@@ -26,15 +28,16 @@ const STEP: Nanoseconds = 1_000_000;
 /// Of 99; can-bridge has 80.
 const PRIORITY: u8 = 70;
 
-/// Six drives, six load cells and the platform of a rig file on its CAN buses, in real time
+/// Drives, load cells and the platform of a fieldbus file on its CAN buses, in real time
 ///
 /// Prints what the bridge has to be told of each bus, then what happens: drives that change their state, the platform that is lifted or falls.
 /// What shall go wrong is told in a script or, line by line, on standard input. Ctrl-C ends it.
 #[derive(Parser)]
 #[command(name = "rig-sim", version, after_help = format!("What may go wrong:\n{GRAMMAR}"))]
 struct Arguments {
-    /// The rig file, the same as the bridge's
-    rig: PathBuf,
+    /// The fieldbus file, the same as the bridge's
+    #[arg(value_name = "FIELDBUS.toml")]
+    fieldbus: PathBuf,
     /// A bus and where it is: `can0=pty` (a new pseudo-terminal; all buses that are not named), `can0=listen:127.0.0.1:3333`, `can0=vcan0`,
     /// `can0=slcan:/dev/ttyACM0`
     #[arg(long = "bus", value_name = "NAME=ADDRESS")]
@@ -59,10 +62,8 @@ struct Arguments {
 /// Reads the command line, opens the buses, and runs until it is told to stop.
 pub fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    let path = &arguments.rig;
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let config = Config::parse(&text).with_context(|| path.display().to_string())?;
-    let mut script = Script::default();
+    let config = Files::read(&arguments.fieldbus)?.config;
+    let mut script = Script::new(config.rig.cables.len());
     if let Some(path) = &arguments.script {
         let text =
             std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -96,7 +97,7 @@ fn addresses(config: &Config, given: &[String]) -> Result<Vec<String>> {
             entry.split_once('=').with_context(|| format!("--bus {entry}: expected NAME=ADDRESS"))?;
         let Some(at) = config.buses.iter().position(|bus| bus.name == name) else {
             let known: Vec<_> = config.buses.iter().map(|bus| bus.name.as_str()).collect();
-            bail!("--bus {entry}: the rig file has no bus {name:?}, but {}", known.join(", "));
+            bail!("--bus {entry}: the fieldbus file has no bus {name:?}, but {}", known.join(", "));
         };
         addresses[at] = address.to_owned();
     }
@@ -122,7 +123,7 @@ struct Lab {
     time: Nanoseconds,
     lifted: Option<Nanoseconds>,
     /// What was last said of each drive, and of the platform.
-    said: PerCable<String>,
+    said: Vec<DriveState>,
     support: Support,
     received: u64,
     sent: u64,
@@ -149,7 +150,8 @@ impl Lab {
         }
         let rig = SimulatedRig::new(config, imperfections)?;
         Ok(Self {
-            said: std::array::from_fn(|i| rig.drives[i].state().to_string()),
+            said: rig.drives.iter().map(SimulatedDrive::state).collect(),
+            least: PerCable::filled(rig.drives.len(), f64::INFINITY),
             support: rig.support(),
             rig,
             ports,
@@ -160,7 +162,6 @@ impl Lab {
             lifted: None,
             received: 0,
             sent: 0,
-            least: [f64::INFINITY; CABLES],
             out: vec![],
         })
     }
@@ -229,8 +230,8 @@ impl Lab {
 
     /// Says what changed.
     fn observe(&mut self) {
-        for i in 0..CABLES {
-            let state = self.rig.drives[i].state().to_string();
+        for i in 0..self.said.len() {
+            let state = self.rig.drives[i].state();
             if state != self.said[i] {
                 self.say(&format!("drive {}: {state}", i + 1));
                 self.said[i] = state;
@@ -248,7 +249,7 @@ impl Lab {
         }
         if support == Support::Cables {
             let tension = self.rig.plant().measured_tension;
-            self.least = std::array::from_fn(|i| self.least[i].min(tension[i]));
+            self.least = PerCable::from_fn(tension.len(), |i| self.least[i].min(tension[i]));
         }
     }
 

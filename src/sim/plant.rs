@@ -177,6 +177,13 @@ impl Plant {
         self
     }
 
+    /// Back at rest at the initial pose, where something else than the cables carries the platform, the motors pulling what `inputs` say.
+    pub fn stand(&mut self, inputs: &PlantInputs) {
+        self.state = body::at_rest(&self.parameters.initial_pose);
+        self.motor = inputs.motor_tension.map(pull_only);
+        self.measure();
+    }
+
     /// Integrates over `h` seconds with `inputs` held.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use cable_robot::robot::RigFile;
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::cia402::DriveState;
 use cable_robot_fieldbus::simulated::{Bench, SimulatedRig};
@@ -46,11 +47,16 @@ fn rig_text() -> String {
     let fmu = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .join("target/fmu/fmi3/CableRobotController.fmu");
     assert!(fmu.is_file(), "{} is missing: run `cargo fmu build` first", fmu.display());
-    text.replacen("target/fmu/fmi3/CableRobotController.fmu", fmu.to_str().unwrap(), 1)
+    let lab = concat!("rig = \"", env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml\"");
+    text.replacen("rig = \"lab.toml\"", lab, 1).replacen(
+        "target/fmu/fmi3/CableRobotController.fmu",
+        fmu.to_str().unwrap(),
+        1,
+    )
 }
 
 fn config() -> Config {
-    Config::parse(&rig_text()).unwrap()
+    Config::parse(&rig_text(), &RigFile::parse(include_str!("../../rigs/can/lab.toml")).unwrap()).unwrap()
 }
 
 /// A simulated rig in a thread, and the device to which its adapter answers.

@@ -66,8 +66,8 @@ fn recorded_runs() {
 }
 
 #[test]
-fn rig_files() {
-    try_many(fuzz::rig_file, &files("rigs/can", ".toml"), 1500);
+fn fieldbus_files() {
+    try_many(fuzz::fieldbus_file, &files("rigs/can", ".toml"), 1500);
 }
 
 #[test]

@@ -5,7 +5,7 @@
 mod counting_allocator;
 
 use cable_robot::plan::{ControllerInputs, ControllerParameters, PoseSource};
-use cable_robot::robot::{PerCable, Pose};
+use cable_robot::robot::{PerCable, Pose, RigFile};
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::simulated::SimulatedRig;
 use cable_robot_fieldbus::{
@@ -22,7 +22,8 @@ fn counted<T>(action: impl FnOnce() -> T) -> (T, usize) {
 
 #[test]
 fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
-    let config = Config::parse(include_str!("../../rigs/can/akd.toml")).unwrap();
+    let lab = RigFile::parse(include_str!("../../rigs/can/lab.toml")).unwrap();
+    let config = Config::parse(include_str!("../../rigs/can/akd.toml"), &lab).unwrap();
     let mut rig = SimulatedRig::new(config.clone(), PlantParameters::default()).unwrap();
     let parameters = ControllerParameters {
         pose_source: PoseSource::CableLengths,

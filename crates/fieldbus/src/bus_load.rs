@@ -99,7 +99,7 @@ pub fn check(config: &Config) -> Result<Vec<BusLoad>, DoesNotFit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::tests::AKD;
+    use crate::config::tests::{AKD, parse};
 
     fn packed() -> Config {
         let mut text = AKD.to_owned();
@@ -116,7 +116,7 @@ mod tests {
             let reading = |node, channel| format!("node = {node}\nindex = 0x6130\nsubindex = {channel}\n");
             text = text.replace(&reading(cell, 1), &reading(node, channel));
         }
-        Config::parse(&text.replace("\"f32\"", "\"i16\"")).unwrap()
+        parse(&text.replace("\"f32\"", "\"i16\"")).unwrap()
     }
 
     #[test]
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_frame_for_every_drive_and_cell_allows_349_hz() {
-        let load = &check(&Config::parse(AKD).unwrap()).unwrap()[0];
+        let load = &check(&parse(AKD).unwrap()).unwrap()[0];
         assert_eq!((load.frames, load.bits, load.highest_rate), (19, 2005, 349));
         assert!((load.load - 0.50125).abs() < 1e-12);
     }
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_kilohertz_is_refused_with_the_reckoning() {
         let text = AKD.replacen("rate = 250.0", "rate = 1000.0", 1);
-        let error = check(&Config::parse(&text).unwrap()).unwrap_err().to_string();
+        let error = check(&parse(&text).unwrap()).unwrap_err().to_string();
         assert_eq!(
             error,
             "rate = 1000 Hz does not fit on can0: a cycle is 19 frames, 2005 bits with worst-case stuffing, and would take 200.5 % of \

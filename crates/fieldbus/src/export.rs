@@ -193,7 +193,7 @@ fn heartbeat_and_emergency(file: &mut File, node: Node, name: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::tests::AKD;
+    use crate::config::tests::{AKD, parse};
 
     /// The line of a signal, from its bits on.
     fn signal<'a>(dbc: &'a str, name: &str) -> &'a str {
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn signals_have_their_places_and_scales() {
-        let dbc = dbc(&Config::parse(AKD).unwrap(), 0);
+        let dbc = dbc(&parse(AKD).unwrap(), 0);
         // 1 ‰ of 1 N m at 0.025 m; drive 2 turns the other way.
         assert_eq!(signal(&dbc, "targetTension_1"), r#"16|16@1- (0.04,0) [0|64] "N" Vector__XXX"#);
         assert_eq!(signal(&dbc, "targetTension_2"), r#"16|16@1- (-0.04,0) [0|64] "N" Vector__XXX"#);
@@ -220,7 +220,7 @@ mod tests {
             .replacen("node = 2\n", "node = 2\ntorque_frame = { id = 0x201, slot = 2 }\n", 1)
             .replacen("[heartbeat]", "[[buses]]\nname = \"can1\"\nbit_rate = 1e6\n\n[heartbeat]", 1)
             .replacen("bus = \"can0\"\nnode = 16", "bus = \"can1\"\nnode = 16", 1);
-        let config = Config::parse(&shared).unwrap();
+        let config = parse(&shared).unwrap();
         let [first, second] = [dbc(&config, 0), dbc(&config, 1)];
         assert!(first.contains("\nBO_ 513 torque_1_2: 6 bridge\n"), "{first}");
         assert!(first.contains("\nBO_ 395 loadCell_11: 8 loadCell_11\n"), "{first}");

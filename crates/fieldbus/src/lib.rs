@@ -1,13 +1,14 @@
 //! Section VII, the rig: drives and load cells on a CAN bus, and what happens when things fail.
 //!
-//! Codecs and state machines only, but for [`transport`]: no sockets, no files, no clock. Time comes in as an argument.
+//! Codecs and state machines only, but for [`files`] and [`transport`]: no sockets, no files, no clock. Time comes in as an argument.
 //!
 //! | | |
 //! |---|---|
 //! | [`frame`], [`candump`], [`slcan`] | CAN frames, and as text |
 //! | [`canopen`], [`cia402`] | what frames mean: CiA 301, and drives |
 //! | [`load_cell`] | how makers write a force |
-//! | [`config`] | the rig file |
+//! | [`config`] | the fieldbus file |
+//! | [`files`] | it and the rig file that it names, on disk |
 //! | [`bus_load`] | what fits on a bus |
 //! | [`export`] | the bus as a DBC file, for bench tools |
 //! | [`controller`] | who computes the tensions |
@@ -22,6 +23,7 @@ pub mod cia402;
 pub mod config;
 pub mod controller;
 pub mod export;
+pub mod files;
 pub mod frame;
 pub mod load_cell;
 pub mod simulated;
@@ -32,18 +34,8 @@ pub mod transport;
 pub use bridge::{Bridge, FrameQueue, OperatorCommand, State};
 pub use config::Config;
 pub use controller::{LibraryController, TensionController};
+pub use files::Files;
 pub use frame::Frame;
-
-/// Cables that the bridge drives.
-pub const CABLES: usize = 6;
-
-/// One value per cable of the bridge.
-pub type PerCable<T> = [T; CABLES];
-
-/// The values of a rig with six cables.
-pub(crate) fn six_of<T: Copy + Default>(values: &cable_robot::robot::PerCable<T>) -> PerCable<T> {
-    std::array::from_fn(|i| values.get(i).copied().unwrap_or_default())
-}
 
 /// Time since the program's start, ns. Nothing in this room looks at a clock.
 pub type Nanoseconds = u64;

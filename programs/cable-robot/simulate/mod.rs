@@ -1,6 +1,5 @@
 //! `cable-robot simulate`: a scenario, run.
 
-mod fmu_model;
 mod interruption;
 pub mod source;
 mod summary;
@@ -11,17 +10,19 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, bail, ensure};
 use cable_robot::plan::Status;
-use cable_robot::robot::Pose;
+use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::closed_loop::{library_controller, library_plant};
 use cable_robot::sim::scenario::count_steps;
 use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
 use cable_robot_fmi::Model;
+use cable_robot_fmi::models::{controller, plant};
+use cable_robot_import::LogMessage;
+use cable_robot_programs::fmu_model::FmuModel;
 use cable_robot_report::Recording;
 use cable_robot_report::run_folder::{self, FORMAT, RunFolder, RunInfo};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
 
-use self::fmu_model::FmuModel;
 use self::interruption::Interruption;
 use self::summary::Summary;
 use crate::arguments::{Planner, pose, seconds};
@@ -198,8 +199,8 @@ impl Simulate {
             lacking: vec![],
         };
         for path in &self.fmu {
-            let fmu = FmuModel::open(path, scenario)?;
-            let (info, lacking) = (fmu.info(path.clone()), fmu.lacking());
+            let fmu = fmu_model(path, scenario)?;
+            let (info, lacking) = (fmu.info(), fmu.lacking());
             let replaced = match fmu.model() {
                 Model::Controller => {
                     models.controller = Box::new(fmu);
@@ -293,4 +294,29 @@ fn simulate(
         progress.done(1);
     }
     Ok(End::Whole)
+}
+
+/// The FMU in this file, with the scenario's parameters.
+fn fmu_model(path: &Path, scenario: &Scenario) -> Result<FmuModel> {
+    let (lambda, eta) = (scenario.controller.lambda, scenario.controller.eta);
+    let (rig, home) = (scenario.plant.rig, scenario.plant.initial_pose);
+    let rig = RigFile { name: scenario.rig.clone(), rig, home, lambda, eta };
+    let mut fmu = FmuModel::open(path, &rig, Box::new(say_of_fmu))?;
+    let model = fmu.model();
+    fmu.set_parameters(|interface, values| {
+        match model {
+            Model::Controller => controller::write_parameters(interface, &scenario.controller, values),
+            Model::Plant => plant::write_parameters(interface, &scenario.plant, values),
+        }
+        Ok(())
+    })?;
+    fmu.require_essentials(&scenario.controller)?;
+    Ok(fmu)
+}
+
+/// Passes on what the FMU has to say beyond remarks.
+fn say_of_fmu(message: &LogMessage) {
+    if message.status > cable_robot_import::Status::Ok {
+        say(format_args!("{}: {}", message.instance, message.text));
+    }
 }

@@ -61,7 +61,7 @@ fn frames(config: &Config) -> Vec<CycleFrame> {
     let mut nodes: Vec<_> = config.load_cells.iter().map(|cell| (cell.bus, cell.node)).collect();
     nodes.dedup();
     for (bus, node) in nodes {
-        let of: Vec<_> = (0..6)
+        let of: Vec<_> = (0..config.load_cells.len())
             .filter(|i| (config.load_cells[*i].bus, config.load_cells[*i].node) == (bus, node))
             .collect();
         let end =

@@ -1,152 +1,114 @@
 //! The packed controller: an FMU whose variables are looked up once, and which is then stepped without allocating.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
-use cable_robot::robot::{PerCable, Pose};
-use cable_robot_fieldbus::CABLES;
+use cable_robot::robot::{PerCable, Pose, RigFile};
+use cable_robot::sim::{ControllerModel, ModelError};
 use cable_robot_fieldbus::config::Parameter;
 use cable_robot_fieldbus::controller::ControllerFailure;
 use cable_robot_fieldbus::{Config, TensionController};
+use cable_robot_fmi::Interface;
 use cable_robot_fmi::models::controller;
-use cable_robot_fmi::values::Values;
 use cable_robot_fmi::variables::{Causality as Role, Kind};
-use cable_robot_fmi::{Interface, Model};
-use cable_robot_import::{
-    Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
-};
+use cable_robot_import::{LogMessage, Status};
+use cable_robot_programs::fmu_model::FmuModel;
 use cable_robot_report::run_folder;
 
 /// An instance in Step Mode.
 ///
 /// Its time lags by a cycle: what is read in a cycle was measured at the SYNC of the one before, and the step leads from there to now.
 pub struct FmuController {
-    instance: Instance,
-    path: String,
-    parameters: ControllerParameters,
-    /// Our value references, and the FMU's variables of the same names.
-    inputs: Vec<(u32, Variable)>,
-    outputs: Vec<(u32, Variable)>,
-    values: Values,
+    fmu: FmuModel,
+    /// What it was last given.
+    inputs: ControllerInputs,
     /// End of the last step, s.
     time: f64,
-    /// Of the rig, s.
+    /// Of a cycle, s.
     period: f64,
     /// A longer time without a step is none: the controller was not asked. s.
     longest_step: f64,
 }
 
 impl FmuController {
-    /// Opens the FMU of the rig file, sets its parameters and initialises it at rest at the home pose, at time 0.
+    /// Opens the FMU of the fieldbus file, gives it rig and parameters, and initialises it at rest at the home pose, at time 0.
     pub fn open(config: &Config) -> Result<Self> {
         let path = &config.controller.fmu;
-        let fmu = Fmu::open(path)?;
-        let instance = fmu.instantiate("controller", Box::new(say))?;
-        Self::start(instance, config).with_context(|| path.clone())
-    }
-
-    fn start(instance: Instance, config: &Config) -> Result<Self> {
-        let interface = Model::Controller.interface();
-        let mut values = interface.start().clone();
-        for (name, parameter) in &config.controller.parameters {
-            let (reference, number) = parameter_value(&interface, name, parameter)?;
-            values.put(reference, number);
-        }
-        for (reference, variable) in shared(&instance, &interface, Role::Parameter)? {
-            instance.set(&variable, typed(variable.kind, values.at(reference)))?;
-        }
+        let rig = rig_file(config);
+        let mut fmu = FmuModel::open(path.as_ref(), &rig, Box::new(say))?;
+        let start = |fmu: &mut FmuModel| -> Result<()> {
+            fmu.require(Role::Parameter, &["anchor", "attachment"]).context(
+                "it is not made for the rig of the rig file: `cable-robot fmu --rig FILE --output FOLDER` makes one",
+            )?;
+            fmu.require(Role::Output, &["motorTension"])?;
+            fmu.require(Role::Input, &["cableLength", "goalPose"])?;
+            fmu.set_parameters(|interface, values| {
+                let (lambda, eta) = (rig.lambda, rig.eta);
+                let own = controller::controller_parameters(interface, values);
+                let base = ControllerParameters { rig: rig.rig, lambda, eta, ..own };
+                controller::write_parameters(interface, &base, values);
+                for (name, parameter) in &config.controller.parameters {
+                    let (reference, number) = parameter_value(interface, name, parameter)?;
+                    values.put(reference, number);
+                }
+                Ok(())
+            })?;
+            ControllerModel::start(fmu, &at_rest(config))
+                .and_then(|_| fmu.begin())
+                .map_err(anyhow::Error::from_boxed)
+        };
+        start(&mut fmu).with_context(|| path.clone())?;
         let period = config.period as f64 * 1e-9;
-        let mut this = Self {
-            path: config.controller.fmu.clone(),
-            parameters: controller::controller_parameters(&interface, &values),
-            inputs: shared(&instance, &interface, Role::Input)?,
-            outputs: shared(&instance, &interface, Role::Output)?,
-            values,
-            instance,
+        Ok(Self {
+            fmu,
+            inputs: at_rest(config),
             time: 0.0,
             period,
             longest_step: period * f64::from(config.limits.lost_cycles + 1),
-        };
-        this.require("goalPose.x", &this.inputs)?;
-        for i in 1..=CABLES {
-            this.require(&format!("motorTension[{i}]"), &this.outputs)?;
-            this.require(&format!("cableLength[{i}]"), &this.inputs)?;
-        }
-        this.instance.enter_initialization(0.0, None)?;
-        controller::write_inputs(&at_rest(config), &mut this.values);
-        this.give()?;
-        this.instance.exit_initialization()?;
-        // Its remarks on every set point cost memory; errors are told all the same.
-        this.instance.set_logging(false)?;
-        Ok(this)
+        })
     }
 
-    /// What the FMU was told.
+    /// What the FMU was given.
     pub fn parameters(&self) -> ControllerParameters {
-        self.parameters
+        let (interface, values) = self.fmu.values();
+        controller::controller_parameters(interface, values)
     }
 
     /// For `run.json`, and for people.
     pub fn info(&self) -> run_folder::Model {
-        let description = self.instance.description();
-        let fmi_version = match description.version {
-            FmiVersion::V2 => "2.0",
-            FmiVersion::V3 => "3.0",
-        };
-        run_folder::Model::Fmu {
-            path: self.path.clone().into(),
-            name: description.model_name.clone(),
-            fmi_version: fmi_version.to_owned(),
-        }
+        self.fmu.info()
     }
 
-    fn require(&self, name: &str, known: &[(u32, Variable)]) -> Result<()> {
-        let has = known.iter().any(|(_, variable)| variable.name == name);
-        ensure!(has, "this is no controller of a cable robot: it has no variable {name} of the right role");
-        Ok(())
-    }
-
-    /// Sets the inputs.
-    fn give(&self) -> Result<(), cable_robot_import::CosimError> {
-        self.inputs.iter().try_for_each(|(reference, variable)| {
-            self.instance.set(variable, typed(variable.kind, self.values.at(*reference)))
-        })
-    }
-
-    fn advance(
-        &mut self,
-        time: f64,
-        inputs: &ControllerInputs,
-    ) -> Result<(), cable_robot_import::CosimError> {
+    fn advance(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
         if time - self.time > self.longest_step {
             let measured = time - self.period;
-            self.instance.do_step(self.time, measured - self.time)?;
+            ControllerModel::step(&mut self.fmu, self.time, measured - self.time, &self.inputs)?;
             self.time = measured;
         }
-        controller::write_inputs(inputs, &mut self.values);
-        self.give()?;
-        self.instance.do_step(self.time, time - self.time)?;
-        self.time = time;
-        for (reference, variable) in &self.outputs {
-            self.values.put(*reference, self.instance.get(variable)?.as_f64());
-        }
-        Ok(())
+        let outputs = ControllerModel::step(&mut self.fmu, self.time, time - self.time, inputs)?;
+        (self.time, self.inputs) = (time, *inputs);
+        Ok(outputs)
     }
 }
 
 impl TensionController for FmuController {
     fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        self.advance(time, inputs).map_err(|error| ControllerFailure { reason: error.to_string() })?;
-        Ok(controller::outputs(&self.values))
+        self.advance(time, inputs).map_err(|error| ControllerFailure { reason: error.to_string() })
     }
+}
+
+/// The rig with its stand for a home.
+fn rig_file(config: &Config) -> RigFile {
+    let (lambda, eta) = (config.controller.lambda, config.controller.eta);
+    RigFile { name: config.name.clone(), rig: config.rig, home: config.home, lambda, eta }
 }
 
 /// At home, not enabled.
 fn at_rest(config: &Config) -> ControllerInputs {
-    let Config { home, controller, .. } = config;
+    let Config { home, rig, .. } = config;
     ControllerInputs {
         encoder_pose: *home,
-        cable_length: controller.rig().cables_at(home).length,
-        measured_tension: PerCable::filled(CABLES, 0.0),
+        cable_length: rig.cables_at(home).length,
+        measured_tension: PerCable::filled(rig.cables.len(), 0.0),
         goal_pose: Pose(home.0),
         enable: false,
     }
@@ -159,7 +121,7 @@ fn say(message: &LogMessage) {
     }
 }
 
-/// Value reference and number of a parameter of the rig file.
+/// Value reference and number of a parameter of the fieldbus file.
 fn parameter_value(interface: &Interface, name: &str, parameter: &Parameter) -> Result<(u32, f64)> {
     let mut rows = interface.rows_with(Role::Parameter);
     let Some(row) = rows.find(|row| row.name == name) else {
@@ -177,32 +139,9 @@ fn parameter_value(interface: &Interface, name: &str, parameter: &Parameter) -> 
             })?;
             f64::from(number)
         }
-        _ => bail!("controller.parameters.{name} = {parameter:?}: it is a {}", row.kind.name()),
+        _ => bail!("controller.parameters.{name} = {parameter}: it is a {}", row.kind.name()),
     };
     Ok((row.first, number))
-}
-
-/// Our value references and the FMU's variables, where it has one of the same name and role.
-fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<(u32, Variable)>> {
-    let theirs = match role {
-        Role::Parameter => Causality::Parameter,
-        Role::Input => Causality::Input,
-        Role::Output => Causality::Output,
-        Role::Independent => Causality::Independent,
-    };
-    let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);
-    let ours = interface.scalars().filter(|scalar| scalar.row.causality == role);
-    let both = ours.map(|scalar| (scalar.name(), scalar.reference)).filter(|(name, _)| has(name));
-    both.map(|(name, reference)| Ok((reference, instance.variable(&name)?.clone()))).collect()
-}
-
-/// The number as a value of this type.
-fn typed(kind: VariableType, number: f64) -> Value {
-    match kind {
-        VariableType::Float64 | VariableType::Float32 => Value::Float(number),
-        VariableType::Boolean => Value::Bool(number != 0.0),
-        _ => Value::Int(number as i64),
-    }
 }
 
 #[cfg(test)]

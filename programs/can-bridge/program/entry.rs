@@ -29,7 +29,7 @@ pub enum Entry {
 /// A frame, its bus and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnBus {
-    /// Place of the bus in the rig file.
+    /// Place of the bus in the fieldbus file.
     pub bus: usize,
     /// When.
     pub time: Nanoseconds,
@@ -44,7 +44,7 @@ pub enum Input {
     Operator(OperatorCommand),
     /// What a link could not do, and the frame that it did not send.
     Transport {
-        /// Place of the bus in the rig file.
+        /// Place of the bus in the fieldbus file.
         bus: usize,
         /// Why.
         error: TransportError,

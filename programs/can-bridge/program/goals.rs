@@ -13,7 +13,7 @@ use cable_robot_fieldbus::{Config, Nanoseconds, State};
 pub fn read(path: &Path, config: &Config) -> Result<Vec<Goal>> {
     let name = || path.display().to_string();
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", name()))?;
-    let base = ControllerParameters { rig: config.controller.rig(), ..ControllerParameters::default() };
+    let base = ControllerParameters { rig: config.rig, ..ControllerParameters::default() };
     let scenario = ScenarioFile::parse(&text).and_then(|file| file.scenario(&config.name, config.home, base));
     Ok(scenario.with_context(name)?.goals)
 }

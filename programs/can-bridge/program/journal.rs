@@ -28,15 +28,14 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Starts it, for a robot with these tension limits (N); it ends when the [`Teller`] is dropped.
+    /// Starts it; it ends when the [`Teller`] is dropped.
     pub fn start(
         recording: Option<Recording>,
         stream: Option<Stream>,
         config: &Config,
-        limits: [f64; 2],
     ) -> Result<(Teller, Self)> {
         let (producer, consumer) = RingBuffer::new(QUEUE);
-        let writer = Writer { status: Status::new(config, limits)?, recording, stream, is_whole: true };
+        let writer = Writer { status: Status::new(config)?, recording, stream, is_whole: true };
         let thread = thread::Builder::new()
             .name("journal".to_owned())
             .spawn(move || writer.run(consumer))

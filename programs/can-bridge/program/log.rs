@@ -2,7 +2,7 @@
 //!
 //! | file | |
 //! |---|---|
-//! | `rig.toml` | the rig file |
+//! | `fieldbus.toml`, `rig.toml` | fieldbus file and rig file |
 //! | `frames.log` | every frame in the order it entered (R) or left (T), as candump writes it |
 //! | `inputs.csv` | what else entered: the cycle it came before, and what it was |
 //! | `cycles.csv` | a row a cycle |
@@ -14,6 +14,7 @@ use cable_robot_fieldbus::{Config, Nanoseconds};
 use super::entry::{Cycle, Input, OnBus};
 use super::operator;
 
+pub const FIELDBUS: &str = "fieldbus.toml";
 pub const RIG: &str = "rig.toml";
 pub const FRAMES: &str = "frames.log";
 pub const INPUTS: &str = "inputs.csv";
@@ -83,12 +84,12 @@ pub fn parse_input(config: &Config, text: &str) -> Result<Input, String> {
 
 fn place(config: &Config, name: &str) -> Result<usize, String> {
     let place = config.buses.iter().position(|bus| bus.name == name);
-    place.ok_or_else(|| format!("the rig file has no bus {name:?}"))
+    place.ok_or_else(|| format!("the fieldbus file has no bus {name:?}"))
 }
 
-/// Header of [`CYCLES`].
-pub fn columns() -> Vec<String> {
-    let cables = |name: &'static str| (1..=6).map(move |i| format!("{name}[{i}]"));
+/// Header of [`CYCLES`] for a rig of so many cables.
+pub fn columns(cables: usize) -> Vec<String> {
+    let cables = |name: &'static str| (1..=cables).map(move |i| format!("{name}[{i}]"));
     let pose = ["x", "y", "z", "roll", "pitch", "yaw"].map(|axis| format!("pose.{axis}"));
     let mut columns: Vec<_> = OWN_COLUMNS.map(str::to_owned).to_vec();
     columns.extend(["state", "fault"].map(str::to_owned));

@@ -18,16 +18,14 @@ mod terminal;
 #[cfg(test)]
 mod tests;
 
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, ensure};
-use cable_robot::robot::TensionLimits;
 use cable_robot_fieldbus::bridge::Bridge;
 use cable_robot_fieldbus::transport;
-use cable_robot_fieldbus::{Config, bus_load, export};
+use cable_robot_fieldbus::{Files, bus_load, export};
 use clap::Parser;
 
 use controller::FmuController;
@@ -46,10 +44,10 @@ Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run
 #[derive(Parser)]
 #[command(name = "can-bridge", version, after_help = EXIT_CODES)]
 struct Arguments {
-    /// What is on which bus, how it scales, what is allowed: rigs/can/akd.toml is an example
-    #[arg(value_name = "RIG.toml", required_unless_present = "replay")]
-    rig: Option<PathBuf>,
-    /// Looks at the rig file, the controller and the bus load, and opens no bus
+    /// The fieldbus file: what is on which bus, how it scales, what is allowed, and which rig file it is for; rigs/can/akd.toml is an example
+    #[arg(value_name = "FIELDBUS.toml", required_unless_present = "replay")]
+    fieldbus: Option<PathBuf>,
+    /// Looks at fieldbus file, rig file, controller and bus load, and opens no bus
     #[arg(long)]
     check: bool,
     /// Writes the frames of this bus with names, scaling and units to stdout, as a DBC file for bench tools
@@ -74,7 +72,7 @@ struct Arguments {
     #[arg(long)]
     no_realtime: bool,
     /// Gives a recorded folder to bridge and controller once more, and compares what they command
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["rig", "check", "dry_run", "bus", "scenario", "record", "status"])]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["fieldbus", "check", "dry_run", "bus", "scenario", "record", "status"])]
     replay: Option<PathBuf>,
 }
 
@@ -126,39 +124,34 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(folder) = &arguments.replay {
         return replay::run(folder);
     }
-    let path = arguments.rig.as_deref().unwrap_or(Path::new(""));
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let config = Config::parse(&text).with_context(|| path.display().to_string())?;
+    let files = Files::read(arguments.fieldbus.as_deref().unwrap_or(Path::new("")))?;
+    let config = &files.config;
     for (name, _) in &arguments.bus {
         let known: Vec<_> = config.buses.iter().map(|bus| bus.name.as_str()).collect();
-        ensure!(known.contains(&name.as_str()), "--bus {name}: the rig file knows {}", known.join(", "));
+        ensure!(known.contains(&name.as_str()), "--bus {name}: the fieldbus file knows {}", known.join(", "));
     }
     if let Some(name) = &arguments.export_dbc {
         let bus = config.buses.iter().position(|bus| bus.name == *name);
         let known = || config.buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
-        let bus = bus.with_context(|| format!("--export-dbc {name}: the rig file knows {}", known()))?;
-        print(&export::dbc(&config, bus))?;
+        let bus = bus.with_context(|| format!("--export-dbc {name}: the fieldbus file knows {}", known()))?;
+        print(&export::dbc(config, bus))?;
         return Ok(Outcome::Done);
     }
-    let controller = FmuController::open(&config)?;
+    let controller = FmuController::open(config)?;
     if arguments.check {
-        print(&check::text(&config, &controller))?;
+        print(&check::text(config, &controller))?;
     }
-    if let Err(reason) = bus_load::check(&config) {
+    if let Err(reason) = bus_load::check(config) {
         say(format_args!("can-bridge: {reason}"));
         return Ok(Outcome::DoesNotFit);
     }
-    if arguments.check { Ok(Outcome::Done) } else { drive(arguments, &text, config, controller) }
+    if arguments.check { Ok(Outcome::Done) } else { drive(arguments, &files, controller) }
 }
 
-fn drive(
-    arguments: &Arguments,
-    rig_text: &str,
-    config: Config,
-    mut controller: FmuController,
-) -> Result<Outcome> {
+fn drive(arguments: &Arguments, files: &Files, mut controller: FmuController) -> Result<Outcome> {
+    let config = &files.config;
     arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
-    let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, &config))?;
+    let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, config))?;
     let mut links = vec![];
     for bus in &config.buses {
         let replaced = arguments.bus.iter().find(|(name, _)| *name == bus.name);
@@ -166,17 +159,14 @@ fn drive(
         links.push(transport::open(address, bus.bit_rate as u32, &[])?);
     }
     let recording = match &arguments.record {
-        Some(folder) => {
-            Some(record::Recording::create(folder, rig_text, &config, &controller, arguments.dry_run)?)
-        }
+        Some(folder) => Some(record::Recording::create(folder, files, &controller, arguments.dry_run)?),
         None => None,
     };
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
     let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
     let stop = signals::listen()?;
-    let (commands, _terminal) = operator::listen(&config)?;
-    let TensionLimits { min, max } = controller.parameters().rig.common_limits();
-    let (teller, journal) = Journal::start(recording, stream, &config, [min, max])?;
+    let (commands, _terminal) = operator::listen(config)?;
+    let (teller, journal) = Journal::start(recording, stream, config)?;
     real_time::say_panics_briefly();
     if !arguments.no_realtime {
         real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));

@@ -9,7 +9,7 @@ use cable_robot::plan::{ControllerInputs, ControllerOutputs};
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
 use cable_robot_fieldbus::bridge::{CycleReport, Event};
-use cable_robot_fieldbus::{CABLES, Config, Nanoseconds, OperatorCommand, State};
+use cable_robot_fieldbus::{Config, Files, Nanoseconds, OperatorCommand, State};
 use cable_robot_report::recording::{Recording as Rows, columns};
 use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ use super::log::{self, Direction};
 const NOT_MEASURED: [&str; 3] = ["plant.velocity", "plant.angularVelocity", "plant.disturbance"];
 
 /// Files that are there once something was recorded.
-const SIGNS: [&str; 5] = [log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON];
+const SIGNS: [&str; 6] = [log::FIELDBUS, log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON];
 
 /// Refuses a folder with a recording in it.
 pub fn refuse_to_overwrite(folder: &Path) -> Result<()> {
@@ -70,26 +70,23 @@ pub struct Recording {
 
 impl Recording {
     /// Makes the folder and its files.
-    pub fn create(
-        folder: &Path,
-        rig_text: &str,
-        config: &Config,
-        controller: &FmuController,
-        is_dry: bool,
-    ) -> Result<Self> {
+    pub fn create(folder: &Path, files: &Files, controller: &FmuController, is_dry: bool) -> Result<Self> {
         run_folder::make(folder)?;
         let create = |name: &str| {
             let path = folder.join(name);
             RowFile::create(&path).with_context(|| format!("cannot write {}", path.display()))
         };
-        fs::write(folder.join(log::RIG), rig_text).context("cannot write the copy of the rig file")?;
+        for (name, text) in [(log::FIELDBUS, &files.fieldbus), (log::RIG, &files.rig)] {
+            fs::write(folder.join(name), text).with_context(|| format!("cannot write the copy of {name}"))?;
+        }
+        let config = &files.config;
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
         inputs.write_record(["cycle", "input"])?;
         if is_dry {
             inputs.write_record(["0", log::DRY_RUN])?;
         }
         let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
-        cycles.write_record(log::columns())?;
+        cycles.write_record(log::columns(config.rig.cables.len()))?;
         Ok(Self {
             frames: create(log::FRAMES)?,
             inputs,
@@ -174,7 +171,7 @@ impl Run {
             step: config.period as f64 * 1e-9,
             controller_parameters: controller.parameters(),
             plant_parameters: PlantParameters {
-                rig: config.controller.rig(),
+                rig: config.rig,
                 initial_pose: config.home,
                 ..PlantParameters::default()
             },
@@ -182,7 +179,7 @@ impl Run {
         Self {
             folder: folder.to_owned(),
             info,
-            rows: Rows::new(CABLES),
+            rows: Rows::new(config.rig.cables.len()),
             csv: None,
             begun: 0,
             answer: None,
@@ -208,7 +205,7 @@ impl Run {
         }
         let moment = moment(report, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
         let row = self.rows.row(&moment);
-        let kept = columns(CABLES)
+        let kept = columns(report.length.len())
             .into_iter()
             .zip(row)
             .filter(|(name, _)| is_measured(name))
@@ -219,7 +216,8 @@ impl Run {
 
     fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
         let mut csv = csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV))?);
-        let kept = columns(CABLES).into_iter().filter(|name| is_measured(name));
+        let kept =
+            columns(self.info.plant_parameters.rig.cables.len()).into_iter().filter(|name| is_measured(name));
         csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
         fs::write(self.folder.join(RUN_JSON), serde_json::to_string_pretty(&self.info)? + "\n")?;
         (self.csv, self.begun) = (Some(csv), time);
@@ -237,20 +235,23 @@ fn moment(report: &CycleReport, answer: &ControllerOutputs, goal: Pose, time: f6
         time,
         controller_inputs: ControllerInputs {
             encoder_pose: report.pose,
-            cable_length: report.length.into(),
-            measured_tension: report.measured.into(),
+            cable_length: report.length,
+            measured_tension: report.measured,
             goal_pose: goal,
             enable: report.state == State::Enabled,
         },
-        controller: ControllerOutputs { motor_tension: report.tension.into(), ..*answer },
-        plant_inputs: PlantInputs { motor_tension: report.tension.into(), ..PlantInputs::none(CABLES) },
+        controller: ControllerOutputs { motor_tension: report.tension, ..*answer },
+        plant_inputs: PlantInputs {
+            motor_tension: report.tension,
+            ..PlantInputs::none(report.tension.len())
+        },
         plant: PlantOutputs {
             encoder_pose: report.pose,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
-            cable_length: report.length.into(),
-            measured_tension: report.measured.into(),
-            slack: report.measured.map(|tension| tension <= 0.0).into(),
+            cable_length: report.length,
+            measured_tension: report.measured,
+            slack: report.measured.map(|tension| tension <= 0.0),
         },
     }
 }

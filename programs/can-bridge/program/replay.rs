@@ -1,13 +1,13 @@
 //! A recorded session entered once more into bridge and controller: do they command the same, to the last bit?
 
 use std::collections::VecDeque;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use cable_robot_fieldbus::bridge::Bridge;
-use cable_robot_fieldbus::{Config, FrameQueue, Nanoseconds, TensionController};
+use cable_robot_fieldbus::{Config, Files, FrameQueue, Nanoseconds, TensionController};
 
 use super::controller::FmuController;
 use super::entry::{Input, OnBus};
@@ -16,18 +16,16 @@ use super::{Outcome, print};
 
 /// Enters the session in this folder and prints what came of it.
 pub fn run(folder: &Path) -> Result<Outcome> {
-    let path = folder.join(log::RIG);
-    let text = fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let config = Config::parse(&text).with_context(|| path.display().to_string())?;
+    let config = Files::read_with_rig(&folder.join(log::FIELDBUS), &folder.join(log::RIG))?.config;
     let mut controller = FmuController::open(&config)?;
-    let mut replay = Replay::open(folder, config)?;
     let path = folder.join(log::CYCLES);
     let mut cycles =
         csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let header = cycles.headers()?.clone();
-    if header.iter().ne(log::columns()) {
+    if header.iter().ne(log::columns(config.rig.cables.len())) {
         bail!("{}: its columns are not those that this program writes", path.display());
     }
+    let mut replay = Replay::open(folder, config)?;
     let mut count = 0;
     for row in cycles.records() {
         // A program that was killed leaves half a row, and frames that no row tells of.
@@ -159,7 +157,7 @@ impl Replay {
             }
         }
         let report = self.bridge.cycle(recorded.time, controller, &mut self.out);
-        let names = log::columns();
+        let names = log::columns(report.length.len());
         let computed = log::computed(&report);
         let names = names.iter().skip(log::OWN_COLUMNS.len());
         for ((name, now), then) in names.zip(&computed).zip(&recorded.computed) {

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use cable_robot::robot::{PerCable, TensionLimits};
 use cable_robot_fieldbus::bridge::CycleReport;
 use cable_robot_fieldbus::bus_load::worst_case_bits;
 use cable_robot_fieldbus::{Config, Nanoseconds};
@@ -24,8 +25,7 @@ const WINDOW: Nanoseconds = 1_000_000_000;
 
 /// Everything that is shown, kept up to date.
 pub struct Status {
-    /// Least and greatest tension allowed, N.
-    limits: [f64; 2],
+    limits: PerCable<TensionLimits>,
     bit_rate: Vec<f64>,
     lateness: Histogram<u64>,
     latency: Histogram<u64>,
@@ -40,10 +40,10 @@ pub struct Status {
 
 impl Status {
     /// Nothing has happened yet.
-    pub fn new(config: &Config, limits: [f64; 2]) -> Result<Self> {
+    pub fn new(config: &Config) -> Result<Self> {
         let histogram = || Histogram::new_with_bounds(1, LONGEST, DIGITS);
         Ok(Self {
-            limits,
+            limits: config.rig.limits(),
             bit_rate: config.buses.iter().map(|bus| bus.bit_rate).collect(),
             lateness: histogram()?,
             latency: histogram()?,
@@ -89,8 +89,8 @@ impl Status {
     }
 
     /// How far each cable is from its nearer limit, N.
-    fn margins(&self, report: &CycleReport) -> [f64; 6] {
-        report.measured.map(|tension| (tension - self.limits[0]).min(self.limits[1] - tension))
+    fn margins(&self, report: &CycleReport) -> PerCable<f64> {
+        PerCable::from_fn(self.limits.len(), |i| self.limits[i].margin(report.measured[i]))
     }
 
     /// For a terminal.

@@ -13,7 +13,7 @@ use cable_robot_fieldbus::controller::ControllerFailure;
 use cable_robot_fieldbus::simulated::SimulatedRig;
 use cable_robot_fieldbus::transport::{LinkError, Received, Transport, now};
 use cable_robot_fieldbus::{
-    Bridge, Config, Frame, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
+    Bridge, Config, Files, Frame, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -46,7 +46,8 @@ static ALLOCATOR: Counting = Counting;
 
 /// The example, with times that a busy machine can keep.
 pub fn config() -> Config {
-    let mut config = Config::parse(include_str!("../../../rigs/can/akd.toml")).unwrap();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
+    let mut config = Files::read(path.as_ref()).unwrap().config;
     config.controller.fmu =
         concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu").to_owned();
     config.limits.lost_cycles = 100;

@@ -17,7 +17,7 @@ use crate::table::count;
 /// Whoever waits longer than this waits for nothing.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What is different from the example's rig file.
+/// What is different from the example's fieldbus file.
 pub struct Setup {
     /// The controller; the packed one if there is none.
     pub fmu: Option<PathBuf>,
@@ -250,6 +250,8 @@ fn rig_text(setup: &Setup) -> Result<String, String> {
         ensure(rig.contains(from), || format!("the example no longer says {from:?}"))?;
         rig = rig.replacen(from, to, 1);
     }
+    let lab = concat!("rig = \"", env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml\"");
+    rig = rig.replacen("rig = \"lab.toml\"", lab, 1);
     if let Some(fmu) = &setup.fmu {
         rig = rig.replace("target/fmu/fmi3/CableRobotController.fmu", &fmu.display().to_string());
     }

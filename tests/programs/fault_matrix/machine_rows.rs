@@ -12,7 +12,7 @@ use crate::{Case, ensure};
 
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/programs/fault_matrix/machine");
 
-/// Of the rig file in the machine, and how exactly it can be kept there, ms.
+/// Of the fieldbus file in the machine, and how exactly it can be kept there, ms.
 const WATCHDOG: f64 = 2000.0;
 const GRAIN: f64 = 200.0;
 
@@ -59,6 +59,7 @@ fn boot() -> Outcomes {
         ],
         files: vec![
             (rig, "/rig.toml"),
+            (concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml").into(), "/lab.toml"),
             (fmu, "/CableRobotController.fmu"),
             (PathBuf::from(SCRIPTS).join("lab.inc"), "/lab"),
         ],

@@ -12,7 +12,7 @@ use crate::table::Row;
 use crate::{Case, ensure};
 
 const USUAL: Setup = Setup { fmu: None, full: &[], script: "" };
-/// Of the rig file that [`Lab`] uses.
+/// Of the fieldbus file that [`Lab`] uses.
 const WATCHDOG: Nanoseconds = 500_000_000;
 /// Between two steps of `rig-sim`, a cycle, and a heartbeat that came with an earlier cycle than the last torque.
 const GRAIN: Nanoseconds = 30_000_000;

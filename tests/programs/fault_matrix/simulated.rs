@@ -2,14 +2,13 @@
 
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::sim::PlantParameters;
-use cable_robot_fieldbus::CABLES;
 use cable_robot_fieldbus::bridge::{Cause, Event, Fault, TransportError};
 use cable_robot_fieldbus::cia402::{DriveState, MAX_TORQUE};
 use cable_robot_fieldbus::controller::ControllerFailure;
 use cable_robot_fieldbus::frame::{Frame, FrameKind, error_class};
 use cable_robot_fieldbus::simulated::Bench;
 use cable_robot_fieldbus::{
-    Config, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
+    Files, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
 };
 
 use crate::table::{Row, count};
@@ -287,8 +286,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 fn bench() -> Result<Bench, String> {
-    let text = std::fs::read_to_string(RIG).map_err(|error| format!("{RIG}: {error}"))?;
-    let config = Config::parse(&text).map_err(|error| error.to_string())?;
+    let config = Files::read(RIG.as_ref()).map_err(|error| error.to_string())?.config;
     let imperfections = PlantParameters {
         friction: 0.2,
         motor_lag: 2e-3,
@@ -390,7 +388,7 @@ fn killed() -> Result<Row, String> {
     let (killed, mut now) = (bench.now, bench.now);
     let watchdog = bench.bridge.config().heartbeat.drive_watchdog;
     let mut sent = vec![];
-    while bench.rig.motor_tension() != [0.0; CABLES] {
+    while bench.rig.motor_tension() != [0.0; 6] {
         now += 1_000_000;
         bench.rig.tick(now, &mut sent);
         ensure(now - killed <= watchdog + 1_000_000, || "a motor still pulls".to_owned())?;
@@ -425,7 +423,7 @@ fn finish(
         last = bench.cycle();
     }
     ensure(last.state == State::Off, || format!("not off, but {}", last.state))?;
-    ensure(bench.rig.motor_tension() == [0.0; CABLES], || "a motor pulls after the end".to_owned())?;
+    ensure(bench.rig.motor_tension() == [0.0; 6], || "a motor pulls after the end".to_owned())?;
     Ok(Row { exit: Some(if last.fault.is_some() { 5 } else { 0 }), ..row })
 }
 

@@ -2,7 +2,7 @@
 //! a slow machine makes no difference.
 
 use cable_robot::plan::{ControllerParameters, PoseSource};
-use cable_robot::robot::Pose;
+use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::bridge::{CycleReport, Fault, TransportError};
 use cable_robot_fieldbus::frame::Frame;
@@ -28,9 +28,10 @@ struct Joined {
 
 impl Joined {
     fn new(name: &str) -> Self {
-        let config = Config::parse(include_str!("../../../rigs/can/akd.toml")).unwrap();
+        let lab = RigFile::parse(include_str!("../../../rigs/can/lab.toml")).unwrap();
+        let config = Config::parse(include_str!("../../../rigs/can/akd.toml"), &lab).unwrap();
         let parameters = ControllerParameters {
-            rig: config.controller.rig(),
+            rig: config.rig,
             pose_source: PoseSource::CableLengths,
             force_loop: true,
             ..ControllerParameters::default()

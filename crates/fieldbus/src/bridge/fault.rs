@@ -6,7 +6,7 @@ use crate::Nanoseconds;
 use crate::canopen::{self, Emergency, NmtState, Node, Object, sdo};
 use crate::cia402::DriveState;
 
-/// Why the bridge gave up its controller's tensions, or never took them. Cables count from 1, buses from 0 as in the rig file.
+/// Why the bridge gave up its controller's tensions, or never took them. Cables count from 1, buses from 0 as in the fieldbus file.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Fault {
     /// A node did not start.
@@ -40,7 +40,7 @@ pub enum Fault {
         node: Node,
         /// The object.
         object: Object,
-        /// What was written, or asked for by the rig file.
+        /// What was written, or asked for by the fieldbus file.
         expected: u32,
         /// What was read.
         found: u32,
@@ -103,19 +103,19 @@ pub enum Fault {
     /// No encoder values.
     #[error("the encoder of cable {cable} is silent")]
     EncoderSilent {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
     },
     /// The same encoder value again and again while the cable must be moving.
     #[error("the encoder of cable {cable} is frozen")]
     EncoderFrozen {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
     },
     /// Farther than a cable can have moved.
     #[error("the encoder of cable {cable} jumped: {speed:.2} m/s")]
     EncoderJump {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
         /// What it would mean.
         speed: f64,
@@ -123,19 +123,19 @@ pub enum Fault {
     /// No readings.
     #[error("load cell {cable} is silent")]
     LoadCellSilent {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
     },
     /// The same reading again and again while the pull changed.
     #[error("load cell {cable} is stuck")]
     LoadCellStuck {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
     },
     /// No number, or none that the cell can mean.
     #[error("load cell {cable} says {tension} N, which cannot be")]
     LoadCellAbsurd {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
         /// N.
         tension: f64,
@@ -143,7 +143,7 @@ pub enum Fault {
     /// A load cell and its motor do not agree.
     #[error("load cell {cable} says {measured:.2} N while its motor pulls {commanded:.2} N")]
     LoadCellDisagrees {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
         /// N.
         measured: f64,
@@ -155,7 +155,7 @@ pub enum Fault {
         "cable {cable} came in by {length:.3} m and is not taut: loose, off its pulley, or (below 0) wound the other way round"
     )]
     LooseCable {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
         /// m.
         length: f64,
@@ -202,7 +202,7 @@ pub enum Fault {
     /// The controller asks for what is no tension, or is more than allowed.
     #[error("the controller asks for {tension} N in cable {cable}")]
     ControllerOutput {
-        /// 1 to 6.
+        /// Its number, from 1.
         cable: usize,
         /// N.
         tension: f64,

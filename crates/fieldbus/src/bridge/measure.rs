@@ -174,12 +174,12 @@ impl CellMonitor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{Config, tests::AKD};
+    use crate::config::tests::{AKD, parse};
 
     const PERIOD: u64 = 4_000_000;
 
     fn setup() -> (Winch, Limits) {
-        let config = Config::parse(AKD).unwrap();
+        let config = parse(AKD).unwrap();
         (config.drives[0].winch, config.limits)
     }
 

@@ -30,9 +30,8 @@ use super::cia402::DriveState;
 use super::config::Config;
 use super::controller::TensionController;
 use super::frame::{Frame, FrameKind, error_class};
-use crate::{CABLES, PerCable, six_of};
 use cable_robot::plan::ControllerOutputs;
-use cable_robot::robot::{Pose, Rig};
+use cable_robot::robot::{PerCable, Pose};
 
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +110,6 @@ struct DriveMonitor {
 #[derive(Clone, Debug)]
 pub struct Bridge {
     config: Config,
-    rig: Rig,
     home_length: PerCable<f64>,
     torque_frames: Vec<(usize, u16, [Option<usize>; 3])>,
     peers: Vec<Peer>,
@@ -120,10 +118,10 @@ pub struct Bridge {
     time: Nanoseconds,
     offset: Nanoseconds,
     is_started: bool,
-    drives: PerCable<DriveMonitor>,
-    cells: PerCable<CellMonitor>,
+    drives: Vec<DriveMonitor>,
+    cells: Vec<CellMonitor>,
     /// For each encoder, all lengths (m) when its value last changed.
-    still_since: PerCable<PerCable<f64>>,
+    still_since: Vec<PerCable<f64>>,
     /// The last pose that was plausible.
     pose: Pose,
     goal: Pose,
@@ -155,10 +153,10 @@ pub struct Bridge {
 impl Bridge {
     /// Starts in [`State::Configuring`] with the first cycle.
     pub fn new(config: Config) -> Self {
-        let rig = config.controller.rig();
-        let home = config.home;
+        let (home, cables) = (config.home, config.rig.cables.len());
+        let nothing = PerCable::filled(cables, 0.0);
         let peer = |node, bus, startup| Peer { node, bus, startup, heard: 0 };
-        let mut peers: Vec<_> = (0..CABLES)
+        let mut peers: Vec<_> = (0..cables)
             .map(|i| peer(config.drives[i].node, config.drives[i].bus, Startup::drive(&config, i)))
             .collect();
         for cell in &config.load_cells {
@@ -167,21 +165,20 @@ impl Bridge {
             }
         }
         Self {
-            home_length: six_of(&rig.cables_at(&home).length),
+            home_length: config.rig.cables_at(&home).length,
             torque_frames: config.torque_frames(),
-            rig,
             peers,
             mode: Mode::Listening { since: 0 },
             time: 0,
             offset: 0,
             is_started: false,
-            drives: Default::default(),
-            cells: Default::default(),
+            drives: vec![DriveMonitor::default(); cables],
+            cells: vec![CellMonitor::default(); cables],
             pose: home,
             goal: home,
-            told: [0.0; CABLES],
-            still_since: Default::default(),
-            certified: [0.0; CABLES],
+            told: nothing,
+            still_since: vec![nothing; cables],
+            certified: nothing,
             answer: None,
             pending: FaultList::default(),
             told_faults: FaultList::default(),
@@ -208,6 +205,11 @@ impl Bridge {
     /// What it was made from.
     pub fn config(&self) -> &Config {
         &self.config
+    }
+
+    /// How many cables it drives.
+    fn cables(&self) -> usize {
+        self.config.rig.cables.len()
     }
 
     /// What it is doing.
@@ -412,6 +414,11 @@ impl Bridge {
         }
     }
 
+    /// Load cells, N.
+    fn measured(&self) -> PerCable<f64> {
+        PerCable::from_fn(self.cables(), |i| self.cells[i].tension())
+    }
+
     fn report(&self, time: Nanoseconds, target_torque: PerCable<i16>) -> CycleReport {
         CycleReport {
             time,
@@ -419,11 +426,13 @@ impl Bridge {
             fault: self.fault,
             length: self.lengths(),
             pose: self.pose,
-            measured: self.cells.map(|cell| cell.tension()),
+            measured: self.measured(),
             tension: self.told,
             target_torque,
-            drive: self.drives.map(|drive| drive.state),
-            missed: std::array::from_fn(|i| [self.drives[i].encoder.missed, self.cells[i].missed]),
+            drive: PerCable::from_fn(self.cables(), |i| self.drives[i].state),
+            missed: PerCable::from_fn(self.cables(), |i| {
+                [self.drives[i].encoder.missed, self.cells[i].missed]
+            }),
             controller: self.answer,
         }
     }

@@ -1,13 +1,12 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
-use super::{Bridge, Fault, FrameQueue, Held, Mode, SafePull};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, FrameQueue, Held, Mode, SafePull};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use crate::config::SafeOutput;
-use crate::{CABLES, PerCable, six_of};
 use cable_robot::control::static_tensions;
-use cable_robot::robot::Pose;
+use cable_robot::robot::{PerCable, Pose};
 
 impl Bridge {
     /// Takes in what the operator asks for at `now`.
@@ -66,7 +65,7 @@ impl Bridge {
     /// The platform is at the home pose: every cable has its length there.
     fn begin_homing(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
         let limits = self.config.limits;
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             let (cable, node) = (i + 1, self.config.drives[i].node);
             let missing = match self.drives[i].state {
                 _ if !self.drives[i].encoder.is_alive(&limits) => Some(Fault::EncoderSilent { cable }),
@@ -90,14 +89,14 @@ impl Bridge {
     }
 
     pub(super) fn take_references(&mut self) {
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             self.drives[i].encoder.home(self.home_length[i]);
         }
         self.pose = self.config.home;
     }
 
     fn enable(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             let now = self.cells[i].disagreement(i + 1, self.told[i], 0);
             now.map_err(Refusal::NotYet)?;
         }
@@ -116,7 +115,8 @@ impl Bridge {
         self.is_resetting_drives = true;
         self.is_released = true;
         (self.pending, self.told_faults, self.fault) = Default::default();
-        (self.drives, self.cells) = Default::default();
+        self.drives.fill(DriveMonitor::default());
+        self.cells.fill(CellMonitor::default());
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }
@@ -172,7 +172,7 @@ impl Bridge {
         if !self.is_resetting_drives || self.drives.iter().any(|drive| drive.state.is_none()) {
             return;
         }
-        let faulted = (0..CABLES).find(|i| self.drives[*i].state.is_some_and(DriveState::is_faulted));
+        let faulted = (0..self.cables()).find(|i| self.drives[*i].state.is_some_and(DriveState::is_faulted));
         match faulted {
             None => self.is_resetting_drives = false,
             Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
@@ -206,9 +206,9 @@ impl Bridge {
 
     /// What carries the platform at rest at the last good pose, N, as far as cables can.
     fn gravity_hold(&self) -> PerCable<f64> {
-        let controller = &self.config.controller;
-        let held = static_tensions(&self.rig, &self.pose, 0.0).map_or(self.certified, |held| six_of(&held));
-        held.map(|tension| tension.clamp(0.0, controller.max_tension))
+        let rig = &self.config.rig;
+        let held = static_tensions(rig, &self.pose, 0.0).unwrap_or(self.certified);
+        PerCable::from_fn(self.cables(), |i| held[i].clamp(0.0, rig.cables[i].limits.max))
     }
 
     pub(super) fn fail(&mut self, fault: Fault) {

@@ -6,29 +6,27 @@ use crate::bus_load::torque_frame_bytes;
 use crate::canopen::{NmtState, sync};
 use crate::cia402::{Demand, DriveState};
 use crate::frame::{Frame, FrameKind};
-use crate::{CABLES, PerCable, six_of};
+use cable_robot::robot::PerCable;
 
 impl Bridge {
     /// Tensions (N) and what is demanded of the drives.
     fn command(&mut self) -> (PerCable<f64>, Demand) {
-        const NOTHING: PerCable<f64> = [0.0; CABLES];
+        let nothing = PerCable::filled(self.cables(), 0.0);
         match self.mode {
-            Mode::Shadow { .. } => {
-                (self.answer.map_or(NOTHING, |answer| six_of(&answer.motor_tension)), Demand::Off)
-            }
+            Mode::Shadow { .. } => (self.answer.map_or(nothing, |answer| answer.motor_tension), Demand::Off),
             Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off => {
-                (NOTHING, Demand::Off)
+                (nothing, Demand::Off)
             }
-            Mode::Homing { .. } if self.is_resetting_drives => (NOTHING, Demand::FaultReset),
-            Mode::Homing { .. } => (NOTHING, Demand::Off),
+            Mode::Homing { .. } if self.is_resetting_drives => (nothing, Demand::FaultReset),
+            Mode::Homing { .. } => (nothing, Demand::Off),
             Mode::TakingUpSlack { step, .. } => {
-                (step.map_or(NOTHING, |step| self.slack_pull(&step)), Demand::Enabled)
+                (step.map_or(nothing, |step| self.slack_pull(&step)), Demand::Enabled)
             }
-            Mode::Ready => ([self.config.slack.pretension; CABLES], Demand::Keep),
+            Mode::Ready => (PerCable::filled(self.cables(), self.config.slack.pretension), Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {
                 let share = self.share(since, self.config.safe.ramp);
                 self.certified = match self.answer {
-                    Some(answer) if share == 1.0 => six_of(&answer.motor_tension),
+                    Some(answer) if share == 1.0 => answer.motor_tension,
                     _ => blend(&from, &lifted, share),
                 };
                 (self.certified, Demand::Keep)
@@ -37,22 +35,22 @@ impl Bridge {
                 let tension = blend(&from, &to.tension, self.share(since, self.config.safe.ramp));
                 (self.stiffened(&Held { tension, ..to }), Demand::Keep)
             }
-            Mode::Stopping { to: None, .. } => (NOTHING, Demand::QuickStop),
+            Mode::Stopping { to: None, .. } => (nothing, Demand::QuickStop),
             Mode::Safe(Some(to)) | Mode::Fault(Some(to)) => (self.stiffened(&to), Demand::Keep),
-            Mode::Safe(None) | Mode::Fault(None) => (NOTHING, Demand::Off),
+            Mode::Safe(None) | Mode::Fault(None) => (nothing, Demand::Off),
         }
     }
 
     /// Each winch resists by itself what its cable does: constant tensions alone let the platform turn over at some poses. One whose
     /// encoder failed cannot, and while a value is missing, nothing is made of lengths that were not measured.
     fn stiffened(&self, held: &Held) -> PerCable<f64> {
-        let (safe, most) = (&self.config.safe, self.config.controller.max_tension);
-        std::array::from_fn(|i| {
+        let safe = &self.config.safe;
+        PerCable::from_fn(self.cables(), |i| {
             let encoder = &self.drives[i].encoder;
             let (length, rate) = encoder.last_measured();
             let resistance = safe.stiffness * (length - held.length[i]) + safe.damping * rate;
             let resistance = if encoder.has_failed { 0.0 } else { resistance };
-            (held.tension[i] + resistance).clamp(0.0, most)
+            (held.tension[i] + resistance).clamp(0.0, self.config.rig.cables[i].limits.max)
         })
     }
 
@@ -68,11 +66,11 @@ impl Bridge {
         for drive in &mut self.drives {
             drive.has_left |= demand == Demand::Keep && drive.state != Some(DriveState::OperationEnabled);
         }
-        let tension: PerCable<f64> =
-            std::array::from_fn(|i| if self.drives[i].has_left { 0.0 } else { tension[i] });
-        let torque: PerCable<i16> =
-            std::array::from_fn(|i| self.config.drives[i].winch.target_torque(tension[i]));
-        self.told = std::array::from_fn(|i| self.config.drives[i].winch.tension(torque[i]));
+        let torque = PerCable::from_fn(self.cables(), |i| {
+            let tension = if self.drives[i].has_left { 0.0 } else { tension[i] };
+            self.config.drives[i].winch.target_torque(tension)
+        });
+        self.told = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
         if !self.has_spoken {
             return torque;
         }
@@ -115,7 +113,7 @@ impl Bridge {
 }
 
 pub(super) fn blend(from: &PerCable<f64>, to: &PerCable<f64>, share: f64) -> PerCable<f64> {
-    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
+    PerCable::from_fn(from.len(), |i| from[i] + (to[i] - from[i]) * share)
 }
 
 /// Control word, then the torque of each slot.

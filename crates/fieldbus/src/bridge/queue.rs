@@ -29,7 +29,7 @@ impl FrameQueue {
         is_room
     }
 
-    /// The place of the bus in the rig file, and the frame.
+    /// The place of the bus in the fieldbus file, and the frame.
     pub fn frames(&self) -> &[(usize, Frame)] {
         &self.frames[..self.length]
     }

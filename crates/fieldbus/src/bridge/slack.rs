@@ -5,9 +5,9 @@ use super::output::blend;
 use super::{Bridge, Fault, Mode};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
-use crate::{CABLES, PerCable};
+use cable_robot::robot::PerCable;
 
-/// To the pretension (0), then cable 1 to 6 pulls twice of it, then back to it.
+/// To the pretension (0), then cable 1 to n pulls twice of it, then (n + 1) back to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SlackStep {
     number: usize,
@@ -16,12 +16,13 @@ pub(super) struct SlackStep {
     calm: u32,
 }
 
-const LAST: usize = CABLES + 1;
-
 impl Bridge {
     /// What is pulled, N.
     pub(super) fn slack_pull(&self, step: &SlackStep) -> PerCable<f64> {
-        let from = if step.number == 0 { [0.0; CABLES] } else { self.slack_tension(step.number - 1) };
+        let from = match step.number {
+            0 => PerCable::filled(self.cables(), 0.0),
+            number => self.slack_tension(number - 1),
+        };
         let share = self.share(step.begun, self.slack_ramp(step.number));
         blend(&from, &self.slack_tension(step.number), share)
     }
@@ -29,7 +30,7 @@ impl Bridge {
     /// At the end of a step, N.
     fn slack_tension(&self, number: usize) -> PerCable<f64> {
         let pretension = self.config.slack.pretension;
-        std::array::from_fn(|i| if i + 1 == number { 2.0 * pretension } else { pretension })
+        PerCable::from_fn(self.cables(), |i| if i + 1 == number { 2.0 * pretension } else { pretension })
     }
 
     /// With the slack gone, a quarter of the time does.
@@ -44,7 +45,7 @@ impl Bridge {
         }
         let elapsed = self.time.saturating_sub(step.begun);
         let Some(settling) = elapsed.checked_sub(self.slack_ramp(step.number)) else { return };
-        let disagreeing = (0..CABLES).find(|i| !self.cells[*i].agrees());
+        let disagreeing = (0..self.cables()).find(|i| !self.cells[*i].agrees());
         let calm = if disagreeing.is_none() { step.calm + 1 } else { 0 };
         self.mode = Mode::TakingUpSlack { since, step: Some(SlackStep { calm, ..step }) };
         if calm > self.config.cycles(self.config.limits.disagreement_time) {
@@ -56,7 +57,8 @@ impl Bridge {
     }
 
     fn await_drives(&mut self, since: Nanoseconds) {
-        let waiting = (0..CABLES).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
+        let waiting =
+            (0..self.cables()).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
         match waiting {
             None => {
                 let step = Some(SlackStep { begun: self.time, ..SlackStep::default() });
@@ -71,12 +73,12 @@ impl Bridge {
 
     fn loose_cable(&self) -> Option<Fault> {
         let moved = |i: usize| self.home_length[i] - self.drives[i].encoder.length;
-        let i = (0..CABLES).find(|i| moved(*i).abs() > self.config.slack.most)?;
+        let i = (0..self.cables()).find(|i| moved(*i).abs() > self.config.slack.most)?;
         Some(Fault::LooseCable { cable: i + 1, length: moved(i) })
     }
 
     fn end_slack_step(&mut self, since: Nanoseconds, number: usize) {
-        if number < LAST {
+        if number <= self.cables() {
             let step = Some(SlackStep { number: number + 1, begun: self.time, calm: 0 });
             self.mode = Mode::TakingUpSlack { since, step };
         } else {

@@ -277,12 +277,12 @@ fn setting(setting: &Setting) -> Step {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::tests::AKD;
+    use crate::config::tests::{AKD, parse};
 
     const MS: u64 = 1_000_000;
 
     fn startup() -> (Startup, Timeouts) {
-        let config = Config::parse(AKD).unwrap();
+        let config = parse(AKD).unwrap();
         (Startup::drive(&config, 0), config.timeouts)
     }
 

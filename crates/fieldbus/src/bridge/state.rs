@@ -6,11 +6,10 @@ use thiserror::Error;
 
 use super::fault::Fault;
 use crate::Nanoseconds;
-use crate::PerCable;
 use crate::canopen::Emergency;
 use crate::cia402::DriveState;
 use cable_robot::plan::ControllerOutputs;
-use cable_robot::robot::Pose;
+use cable_robot::robot::{PerCable, Pose};
 
 /// What the bridge is doing: docs/rig.md has the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,15 +3,13 @@
 use super::{Bridge, Fault, Mode};
 use crate::TensionController;
 use crate::cia402::DriveState;
-use crate::{CABLES, PerCable};
 use cable_robot::plan::{ControllerInputs, Status};
-use cable_robot::robot::forward_kinematics;
+use cable_robot::robot::{PerCable, forward_kinematics};
 
 impl Bridge {
     /// Encoders and load cells of this cycle.
     pub(super) fn measure(&mut self) {
-        let Self { config, time, told, .. } = &*self;
-        let (mut limits, time, told) = (config.limits, *time, *told);
+        let (mut limits, time, told) = (self.config.limits, self.time, self.told);
         let patience = self.config.cycles(limits.disagreement_time);
         // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
         let has_torque = self.is_pulling();
@@ -20,7 +18,7 @@ impl Bridge {
         }
         let is_compared =
             self.is_pulling() && !matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. });
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             let winch = &self.config.drives[i].winch;
             let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
             let mut cell = self.cells[i].update(i + 1, &limits, told[i]);
@@ -43,13 +41,13 @@ impl Bridge {
     /// An encoder that says the same to the last count while another cable moved by `freeze_travel` is frozen.
     fn compare_encoders(&mut self, is_compared: bool) -> Result<(), Fault> {
         let lengths = self.lengths();
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             let encoder = &mut self.drives[i].encoder;
             if encoder.has_changed || !is_compared {
                 self.still_since[i] = lengths;
             }
             let moved = |j: usize| (lengths[j] - self.still_since[i][j]).abs();
-            if (0..CABLES).any(|j| moved(j) > self.config.limits.freeze_travel) {
+            if (0..lengths.len()).any(|j| moved(j) > self.config.limits.freeze_travel) {
                 encoder.has_failed = true;
                 return Err(Fault::EncoderFrozen { cable: i + 1 });
             }
@@ -71,7 +69,7 @@ impl Bridge {
         if !self.is_pulling() {
             return;
         }
-        for i in 0..CABLES {
+        for i in 0..self.cables() {
             let node = self.config.drives[i].node;
             match self.drives[i].state {
                 Some(DriveState::OperationEnabled) | None => {}
@@ -91,7 +89,7 @@ impl Bridge {
         if !self.pending.is_empty() || !is_followed {
             return;
         }
-        match forward_kinematics(&self.rig, &self.lengths(), &self.pose) {
+        match forward_kinematics(&self.config.rig, &self.lengths(), &self.pose) {
             Ok(found) => {
                 let angle = found.pose.angles().amax();
                 if angle <= self.config.limits.tilt {
@@ -105,7 +103,7 @@ impl Bridge {
     }
 
     pub(super) fn lengths(&self) -> PerCable<f64> {
-        self.drives.map(|drive| drive.encoder.length)
+        PerCable::from_fn(self.cables(), |i| self.drives[i].encoder.length)
     }
 
     /// Steps the controller, which only follows until the weight is its own.
@@ -117,11 +115,11 @@ impl Bridge {
         };
         let inputs = ControllerInputs {
             encoder_pose: self.pose,
-            cable_length: self.lengths().into(),
+            cable_length: self.lengths(),
             // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
             measured_tension: match self.mode {
-                Mode::Shadow { .. } => self.told.into(),
-                _ => self.cells.map(|cell| cell.tension()).into(),
+                Mode::Shadow { .. } => self.told,
+                _ => self.measured(),
             },
             goal_pose: if enable { self.goal } else { self.pose },
             enable,
@@ -130,13 +128,12 @@ impl Bridge {
             return self.raise(Fault::ControllerFailed);
         };
         self.answer = Some(outputs);
-        let most = self.config.controller.max_tension * (1.0 + 1e-9);
+        let most = |i: usize| self.config.rig.cables[i].limits.max * (1.0 + 1e-9);
         // NaN is in no range.
-        let wrong = outputs.motor_tension.iter().position(|tension| !(0.0..=most).contains(tension));
+        let asked = |i: usize| outputs.motor_tension.get(i).copied().unwrap_or(f64::NAN);
+        let wrong = (0..self.cables()).find(|i| !(0.0..=most(*i)).contains(&asked(*i)));
         match wrong {
-            Some(i) => {
-                self.raise(Fault::ControllerOutput { cable: i + 1, tension: outputs.motor_tension[i] })
-            }
+            Some(i) => self.raise(Fault::ControllerOutput { cable: i + 1, tension: asked(i) }),
             None if enable && outputs.status == Status::SensorFault => {
                 self.raise(Fault::ControllerSensorFault)
             }

@@ -15,13 +15,14 @@ use super::{
 use crate::canopen::{self, Node, Object, Value, Width};
 use crate::cia402::Winch;
 use crate::load_cell::{Encoding, LoadCell};
-use crate::{CABLES, PerCable};
-use cable_robot::robot::{Coordinates, Pose, RobotParameters};
+use cable_robot::robot::{Coordinates, Pose, Rig, RigFile};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     name: String,
+    /// See [`super::rig_path`].
+    rig: Spanned<String>,
     rate: Spanned<f64>,
     largest_load: Spanned<f64>,
     node: Spanned<u32>,
@@ -151,23 +152,25 @@ struct CellEntry {
 const SMALL: f64 = 1e-6;
 const LARGE: f64 = 1e6;
 
-pub(super) fn parse(text: &str) -> Result<Config, ConfigError> {
+pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
     let file: File = toml::from_str(text)?;
     let check = Check { text };
     let rate = check.within(&file.rate, "rate", 1.0..=2000.0, "Hz")?;
     let buses = buses(&check, &file)?;
-    let controller = controller(&check, &file.controller)?;
+    let cables = rig.rig.cables.len();
+    let controller = controller(&check, &file.controller, rig)?;
     let config = Config {
         period: (1e9 / rate).round() as u64,
         largest_load: check.within(&file.largest_load, "largest_load", 0.01..=1.0, "")?,
         node: check.within(&file.node, "node", 1..=127, "")? as Node,
         heartbeat: heartbeat(&check, &file.heartbeat)?,
         timeouts: timeouts(&check, &file.timeouts)?,
-        drives: drives(&check, &file, &buses)?,
+        rig: rig.rig,
+        drives: drives(&check, &file, &buses, cables)?,
         drive_objects: settings(&check, &file.drive_objects, "drive_objects")?,
-        load_cells: load_cells(&check, &file, &buses)?,
+        load_cells: load_cells(&check, &file, &buses, cables)?,
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
-        home: home(&check, &file.home)?,
+        home: home(&check, &file.home, &rig.rig)?,
         slack: slack(&check, &file.slack)?,
         limits: limits(&check, &file.limits)?,
         safe: Safe {
@@ -239,7 +242,7 @@ fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
     })
 }
 
-fn home(check: &Check, home: &Spanned<[f64; 6]>) -> Result<Pose, ConfigError> {
+fn home(check: &Check, home: &Spanned<[f64; 6]>, rig: &Rig) -> Result<Pose, ConfigError> {
     let (names, offset) = (["x", "y", "z", "roll", "pitch", "yaw"], home.span().start);
     for (k, value) in home.get_ref().iter().enumerate() {
         if !value.is_finite() {
@@ -248,48 +251,47 @@ fn home(check: &Check, home: &Spanned<[f64; 6]>) -> Result<Pose, ConfigError> {
         }
     }
     let pose = Pose(Coordinates::from(*home.get_ref()));
-    if pose.0[2] <= 0.0 {
-        return Err(check.refuse(
-            offset,
-            "home[3] (z)",
-            pose.0[2],
-            "must be below the base, greater than 0 m",
-        ));
+    if !rig.can_be_at(&pose) {
+        let allowed = "must be below an anchor of the rig file, or no cable can pull against gravity (m)";
+        return Err(check.refuse(offset, "home[3] (z)", pose.0[2], allowed));
     }
     Ok(pose)
 }
 
-fn controller(check: &Check, entry: &ControllerEntry) -> Result<ControllerConfig, ConfigError> {
-    let mut robot = RobotParameters::default();
-    let mut max_tension = 100.0;
+/// What the rig file says, and the fieldbus file therefore must not.
+const OF_THE_RIG: [&str; 14] = [
+    "a",
+    "b",
+    "m",
+    "I1",
+    "I2",
+    "I3",
+    "g",
+    "mass",
+    "inertia",
+    "gravity",
+    "anchor",
+    "attachment",
+    "minTension",
+    "maxTension",
+];
+
+fn controller(
+    check: &Check,
+    entry: &ControllerEntry,
+    rig: &RigFile,
+) -> Result<ControllerConfig, ConfigError> {
     for (name, value) in &entry.parameters {
-        let place = match name.as_str() {
-            "a" => &mut robot.a,
-            "b" => &mut robot.b,
-            "m" => &mut robot.m,
-            "I1" => &mut robot.i1,
-            "I2" => &mut robot.i2,
-            "I3" => &mut robot.i3,
-            "g" => &mut robot.g,
-            "maxTension" => &mut max_tension,
-            _ => continue,
-        };
-        let field = format!("controller.parameters.{name}");
-        match value.get_ref() {
-            Parameter::Number(number) if *number > 0.0 && number.is_finite() => *place = *number,
-            other => {
-                let allowed = "must be a finite number greater than 0";
-                return Err(check.refuse(value.span().start, &field, format!("{other:?}"), allowed));
-            }
+        let stem = name.split(['.', '[']).next().unwrap_or(name);
+        if OF_THE_RIG.contains(&stem) {
+            let allowed = "the rig file says it, and nothing else does: remove it here";
+            let field = format!("controller.parameters.{name}");
+            return Err(check.refuse(value.span().start, &field, value.get_ref(), allowed));
         }
     }
-    robot.validate().map_err(|error| {
-        let offset = entry.parameters.get(&*error.name).map_or(0, |value| value.span().start);
-        check.refuse(offset, &format!("controller.parameters.{}", error.name), error.value, error.allowed)
-    })?;
     let parameters =
         entry.parameters.iter().map(|(name, value)| (name.clone(), value.get_ref().clone())).collect();
-    Ok(ControllerConfig { fmu: entry.fmu.clone(), parameters, robot, max_tension })
+    Ok(ControllerConfig { fmu: entry.fmu.clone(), lambda: rig.lambda, eta: rig.eta, parameters })
 }
 
 fn object(
@@ -317,30 +319,30 @@ fn settings(check: &Check, entries: &[ObjectEntry], table: &str) -> Result<Vec<S
     entries.iter().enumerate().map(setting).collect()
 }
 
-/// Six entries, or an error that says how many there are.
-fn six<T>(check: &Check, entries: &Spanned<Vec<T>>, table: &str) -> Result<(), ConfigError> {
+/// An entry for each of so many cables, or an error that says how many there are.
+fn one_a_cable<T>(
+    check: &Check,
+    entries: &Spanned<Vec<T>>,
+    table: &str,
+    cables: usize,
+) -> Result<(), ConfigError> {
     let count = entries.get_ref().len();
     let refusal = || {
-        check.refuse(
-            entries.span().start,
-            &format!("number of [[{table}]]"),
-            count,
-            "must be 6, one a cable, in the order of the cables",
-        )
+        let allowed = format!("must be {cables}, one a cable of the rig file, in the order of the cables");
+        check.refuse(entries.span().start, &format!("number of [[{table}]]"), count, allowed)
     };
-    if count == CABLES { Ok(()) } else { Err(refusal()) }
+    if count == cables { Ok(()) } else { Err(refusal()) }
 }
 
-/// `of` each cable, or the first error.
-fn per_cable<T>(of: impl Fn(usize) -> Result<T, ConfigError>) -> Result<PerCable<T>, ConfigError> {
-    Ok([of(0)?, of(1)?, of(2)?, of(3)?, of(4)?, of(5)?])
-}
-
-fn drives(check: &Check, file: &File, buses: &[Bus]) -> Result<PerCable<Drive>, ConfigError> {
-    six(check, &file.drives, "drives")?;
+fn drives(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Drive>, ConfigError> {
+    one_a_cable(check, &file.drives, "drives", cables)?;
     let entries = file.drives.get_ref();
-    let drives = per_cable(|i| drive(check, &entries[i], i, buses))?;
-    for i in 0..CABLES {
+    let drives: Vec<_> = entries
+        .iter()
+        .enumerate()
+        .map(|(i, entry)| drive(check, entry, i, buses))
+        .collect::<Result<_, _>>()?;
+    for i in 0..cables {
         let clash =
             |j: &usize| (drives[*j].bus, drives[*j].torque_frame) == (drives[i].bus, drives[i].torque_frame);
         if let Some(j) = (0..i).find(clash) {
@@ -395,11 +397,15 @@ fn drive(check: &Check, entry: &DriveEntry, i: usize, buses: &[Bus]) -> Result<D
     Ok(Drive { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, torque_frame, winch })
 }
 
-fn load_cells(check: &Check, file: &File, buses: &[Bus]) -> Result<PerCable<Cell>, ConfigError> {
-    six(check, &file.load_cells, "load_cells")?;
+fn load_cells(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Cell>, ConfigError> {
+    one_a_cable(check, &file.load_cells, "load_cells", cables)?;
     let entries = file.load_cells.get_ref();
-    let mut cells = per_cable(|i| load_cell(check, &entries[i], i, buses))?;
-    for i in 0..CABLES {
+    let mut cells: Vec<_> = entries
+        .iter()
+        .enumerate()
+        .map(|(i, entry)| load_cell(check, entry, i, buses))
+        .collect::<Result<_, _>>()?;
+    for i in 0..cables {
         let before = cells[..i].iter().filter(|other| other.node == cells[i].node);
         let byte = before.map(|other| other.cell.encoding.width().bytes()).sum::<usize>();
         if byte + cells[i].cell.encoding.width().bytes() > 8 {

@@ -1,9 +1,11 @@
-//! The rig file of `can-bridge`: what is on which bus, how it scales, what is allowed, what to do when it fails.
+//! The fieldbus file of `can-bridge`: what is on which bus, how it scales, what is allowed, what to do when it fails. Geometry, mass and
+//! limits of the tensions stand in the rig file that it names.
 
 mod check;
 mod file;
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Deserialize;
 use thiserror::Error;
@@ -12,14 +14,15 @@ use super::Nanoseconds;
 use super::canopen::{Node, Object, Value};
 use super::cia402::Winch;
 use super::load_cell::LoadCell;
-use crate::PerCable;
-use cable_robot::robot::{Pose, Rig, RobotParameters, TensionLimits};
+use cable_robot::robot::{Pose, Rig, RigFile};
 
-/// Everything `can-bridge` is told of a rig.
+/// Everything `can-bridge` knows of a rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
     /// What people call it.
     pub name: String,
+    /// Geometry, mass and limits of the tensions, from the rig file. Every greatest tension is finite.
+    pub rig: Rig,
     /// Between two cycles, and two SYNCs.
     pub period: Nanoseconds,
     /// Share of each bus that the frames of a cycle may take.
@@ -33,11 +36,11 @@ pub struct Config {
     /// How long the bridge waits.
     pub timeouts: Timeouts,
     /// One a cable.
-    pub drives: PerCable<Drive>,
+    pub drives: Vec<Drive>,
     /// Written to, or checked in, every drive before it is used.
     pub drive_objects: Vec<Setting>,
     /// One a cable.
-    pub load_cells: PerCable<Cell>,
+    pub load_cells: Vec<Cell>,
     /// The same for the nodes of the load cells.
     pub load_cell_objects: Vec<Setting>,
     /// Where the platform stands when the encoders are read for the first time.
@@ -203,19 +206,12 @@ pub enum SafeOutput {
 pub struct ControllerConfig {
     /// Path of the packed controller.
     pub fmu: String,
-    /// Its parameters, by their names in the FMU.
+    /// Gains of the rig file, 1/s: those of the controller, unless `parameters` say others.
+    pub lambda: f64,
+    /// See `lambda`.
+    pub eta: f64,
+    /// Its other parameters, by their names in the FMU.
     pub parameters: BTreeMap<String, Parameter>,
-    /// The robot that these parameters describe; Table I where they are silent.
-    pub robot: RobotParameters,
-    /// The largest tension that it may ask for, N.
-    pub max_tension: f64,
-}
-
-impl ControllerConfig {
-    /// The rig that these parameters describe.
-    pub fn rig(&self) -> Rig {
-        Rig::paper(&self.robot, TensionLimits { min: 0.0, max: self.max_tension })
-    }
 }
 
 /// A parameter of the FMU.
@@ -230,7 +226,17 @@ pub enum Parameter {
     Item(String),
 }
 
-/// A rig file that is refused.
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Boolean(flag) => flag.fmt(f),
+            Self::Number(number) => number.fmt(f),
+            Self::Item(item) => item.fmt(f),
+        }
+    }
+}
+
+/// A fieldbus file that is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ConfigError {
     /// No TOML, an unknown or missing field, or a value of the wrong kind.
@@ -250,13 +256,25 @@ pub enum ConfigError {
     },
 }
 
+/// The path of the rig file that this fieldbus file names, relative to its own folder.
+///
+/// # Errors
+/// [`ConfigError::Toml`]: no TOML, or no `rig`.
+pub fn rig_path(text: &str) -> Result<String, ConfigError> {
+    #[derive(Deserialize)]
+    struct Named {
+        rig: String,
+    }
+    Ok(toml::from_str::<Named>(text)?.rig)
+}
+
 impl Config {
-    /// Reads the text of a rig file.
+    /// Reads the text of a fieldbus file. `rig` is the rig file at its [`rig_path`].
     ///
     /// # Errors
     /// [`ConfigError`]: the line, the field, its value and what is allowed.
-    pub fn parse(text: &str) -> Result<Self, ConfigError> {
-        file::parse(text)
+    pub fn parse(text: &str, rig: &RigFile) -> Result<Self, ConfigError> {
+        file::parse(text, rig)
     }
 
     /// Cycles in a time, at least one.
@@ -286,28 +304,37 @@ impl Config {
 pub(crate) mod tests {
     use super::*;
     use crate::load_cell::Encoding;
+    use cable_robot::robot::{RobotParameters, TensionLimits};
 
     /// The example that ships.
     pub const AKD: &str = include_str!("../../../../rigs/can/akd.toml");
+    /// The rig file that it names.
+    pub const LAB: &str = include_str!("../../../../rigs/can/lab.toml");
+
+    /// A fieldbus file for the example's rig.
+    pub fn parse(text: &str) -> Result<Config, ConfigError> {
+        Config::parse(text, &RigFile::parse(LAB).unwrap())
+    }
 
     /// What is said of the example with one text replaced by another.
     fn refusal(from: &str, to: &str) -> String {
         assert!(AKD.contains(from), "{from}");
-        Config::parse(&AKD.replacen(from, to, 1)).expect_err(to).to_string()
+        parse(&AKD.replacen(from, to, 1)).expect_err(to).to_string()
     }
 
     #[test]
     fn the_example_is_right() {
-        let config = Config::parse(AKD).unwrap();
+        let config = parse(AKD).unwrap();
         assert_eq!(config.period, 4_000_000);
         assert_eq!(config.drives[1].winch.direction, -1.0);
         assert_eq!(config.drives[2].torque_frame, TorqueFrame { id: 0x203, slot: 0 });
         assert_eq!(config.load_cells[5].cell.encoding, Encoding::F32);
         assert_eq!(config.drive_objects[0].value, Value::u32(1000));
         assert_eq!(config.safe.output, SafeOutput::GravityRamp);
-        assert_eq!(config.controller.max_tension, 60.0);
         assert_eq!(config.controller.parameters["forceLoop"], Parameter::Boolean(true));
-        assert_eq!(config.controller.robot, RobotParameters::default());
+        assert_eq!(rig_path(AKD).unwrap(), "lab.toml");
+        let limits = TensionLimits { min: 0.0, max: 60.0 };
+        assert_eq!(config.rig, Rig::paper(&RobotParameters::default(), limits));
     }
 
     #[test]
@@ -345,18 +372,26 @@ pub(crate) mod tests {
             ("range = [-5.0, 150.0]", "range = [5.0, -150.0]", "load_cells[1].range = [5, -150]"),
             ("index = 0x6130", "index = 0x61300", "load_cells[1].index = 398080"),
             ("home = [0.0, 0.0, 1.0", "home = [0.0, 0.0, -1.0", "home[3] (z) = -1"),
-            ("maxTension = 60.0", "maxTension = false", "controller.parameters.maxTension = Boolean(false)"),
-            ("maxTension = 60.0", "b = 2.0", "controller.parameters.b = 2"),
+            (
+                "forceLoop = true",
+                "maxTension = 60",
+                "controller.parameters.maxTension = 60 is not allowed: the rig file says it",
+            ),
+            (
+                "forceLoop = true",
+                "\"anchor[2].x\" = 2.0",
+                "controller.parameters.anchor[2].x = 2 is not allowed",
+            ),
             ("value = 1000", "value = 4294967296", "drive_objects[1].value = 4294967296"),
             (
                 "torque_limit = 1.6",
                 "torque_limit = 1.4",
-                "drives[1].torque_limit = 1.4 is not allowed: must be at least 1.5 N m for maxTension (60 N)",
+                "drives[1].torque_limit = 1.4 is not allowed: must be at least 1.5 N m for the greatest tension of the rig file (60 N)",
             ),
             (
                 "home = [0.0, 0.0, 1.0",
                 "home = [1.5, 0.0, 1.0",
-                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold with 0 to 60 N",
+                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold within the limits of the rig file",
             ),
             (
                 "[[buses]]",
@@ -396,24 +431,32 @@ pub(crate) mod tests {
             assert!(refusal.contains("line ") && refusal.contains(said), "{refusal}");
         }
         let five = AKD.rsplit_once("[[load_cells]]").unwrap().0;
-        let error = Config::parse(five).unwrap_err().to_string();
+        let error = parse(five).unwrap_err().to_string();
         assert!(error.contains("number of [[load_cells]] = 5 is not allowed: must be 6"), "{error}");
+        let nameless = rig_path(&AKD.replacen("rig = ", "rigs = ", 1)).unwrap_err().to_string();
+        assert!(nameless.contains("missing field `rig`"), "{nameless}");
+        let unlimited = RigFile::parse(&LAB.replacen("max = 60.0", "", 1)).unwrap();
+        let error = Config::parse(AKD, &unlimited).unwrap_err().to_string();
+        assert!(
+            error.contains("rig = lab.toml is not allowed: its rig file must say the greatest"),
+            "{error}"
+        );
     }
 
     #[test]
     fn readings_of_one_amplifier_follow_each_other() {
         let text = AKD.replace("node = 12\n", "node = 11\n");
-        let same = Config::parse(&text).unwrap_err().to_string();
+        let same = parse(&text).unwrap_err().to_string();
         assert!(same.contains("load_cells[2].index, subindex = 0x6130:1 is not allowed"), "{same}");
         let text = text.replacen(
             "node = 11\nindex = 0x6130\nsubindex = 1",
             "node = 11\nindex = 0x6130\nsubindex = 2",
             1,
         );
-        let config = Config::parse(&text).unwrap();
+        let config = parse(&text).unwrap();
         assert_eq!((config.load_cells[0].byte, config.load_cells[1].byte), (0, 4));
         let three = text.replace("node = 13\n", "node = 11\n");
-        let error = Config::parse(&three).unwrap_err().to_string();
+        let error = parse(&three).unwrap_err().to_string();
         assert!(error.contains("load_cells[3].node = 11"), "{error}");
     }
 }

@@ -35,7 +35,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The library's controller with the paper's gains, the load cells' force loop and lengths for poses; a plant with `imperfections`.
+    /// The library's controller with the rig file's gains, the load cells' force loop and lengths for poses; a plant with `imperfections`.
     ///
     /// # Errors
     /// [`ParameterError`] for an imperfection that makes no sense.
@@ -98,7 +98,8 @@ impl Bench {
     /// # Errors
     /// [`NotUnderstood`].
     pub fn suffer(&mut self, text: &str) -> Result<(), NotUnderstood> {
-        self.rig.suffer(text.parse::<Mishap>()?, &mut self.link, self.now, &mut self.coming);
+        let mishap = Mishap::parse(text, self.rig.drives.len())?;
+        self.rig.suffer(mishap, &mut self.link, self.now, &mut self.coming);
         Ok(())
     }
 
@@ -156,9 +157,10 @@ impl Bench {
 
 fn parameters(config: &Config) -> ControllerParameters {
     ControllerParameters {
-        rig: config.controller.rig(),
+        lambda: config.controller.lambda,
+        eta: config.controller.eta,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
-        ..ControllerParameters::default()
+        ..ControllerParameters::of(&config.rig)
     }
 }

@@ -31,7 +31,7 @@ pub struct SimulatedCells {
 }
 
 impl SimulatedCells {
-    /// The node at this address, as the rig file describes it.
+    /// The node at this address, as the fieldbus file describes it.
     pub(super) fn new(config: &Config, node: Node) -> Self {
         let ours = config.load_cells.iter().enumerate().filter(|(_, cell)| cell.node == node);
         let cells: Vec<_> = ours.map(|(cable, cell)| (cable, cell.cell, CellFault::None)).collect();

@@ -54,7 +54,7 @@ pub struct SimulatedDrive {
 }
 
 impl SimulatedDrive {
-    /// The drive of a cable, as the rig file describes it.
+    /// The drive of a cable, as the fieldbus file describes it.
     pub(super) fn new(config: &Config, cable: usize) -> Self {
         let drive = &config.drives[cable];
         let mut objects = vec![
@@ -219,12 +219,12 @@ impl SimulatedDrive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::tests::AKD;
+    use crate::config::tests::{AKD, parse};
     use DriveState::*;
 
     #[test]
     fn states_follow_the_control_word() {
-        let mut drive = SimulatedDrive::new(&Config::parse(AKD).unwrap(), 0);
+        let mut drive = SimulatedDrive::new(&parse(AKD).unwrap(), 0);
         let mut after = |word| {
             drive.obey(word, 0);
             drive.state

@@ -1,11 +1,8 @@
 //! What goes wrong at the simulated rig, as one writes it: `at 2.0 lose 5%`, `lifted 0.4 cell 4 stuck`.
 
-use std::str::FromStr;
-
 use thiserror::Error;
 
 use super::{CellFault, Link, LinkFaults, SimulatedRig};
-use crate::CABLES;
 use crate::Nanoseconds;
 use crate::canopen::{NmtCommand, Object};
 use crate::frame::Frame;
@@ -34,7 +31,7 @@ cell N dead                    says and hears nothing
 cell N stuck                   its reading stays what it is
 cell N says 100                N; also nan, inf
 drive N well, cell N well      as before; what has failed stays failed
-N: cable, 1 to 6. In front of each: `at 2.0`, s after the start; `lifted 0.4`, s after the cables lifted the platform off its stand.";
+N: cable, from 1. In front of each: `at 2.0`, s after the start; `lifted 0.4`, s after the cables lifted the platform off its stand.";
 
 /// Something that goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,15 +98,19 @@ pub enum Moment {
 #[error("{0:?} is not understood; known are\n{GRAMMAR}")]
 pub struct NotUnderstood(String);
 
-impl FromStr for Mishap {
-    type Err = NotUnderstood;
-
-    fn from_str(text: &str) -> Result<Self, NotUnderstood> {
-        parse(&text.split_whitespace().collect::<Vec<_>>()).ok_or_else(|| NotUnderstood(text.to_owned()))
+impl Mishap {
+    /// Reads the words of a mishap at a rig of so many cables.
+    ///
+    /// # Errors
+    /// [`NotUnderstood`].
+    pub fn parse(text: &str, cables: usize) -> Result<Self, NotUnderstood> {
+        let words: Vec<_> = text.split_whitespace().collect();
+        mishap(&words, cables).ok_or_else(|| NotUnderstood(text.to_owned()))
     }
 }
 
-fn parse(words: &[&str]) -> Option<Mishap> {
+fn mishap(words: &[&str], cables: usize) -> Option<Mishap> {
+    let cable = |number: &str| cable(number, cables);
     Some(match *words {
         ["lose", share] => Mishap::Lose(percent(share)?),
         ["double", share] => Mishap::Double(percent(share)?),
@@ -159,9 +160,9 @@ fn percent(text: &str) -> Option<f64> {
     (0.0..=100.0).contains(&percent).then_some(percent / 100.0)
 }
 
-fn cable(text: &str) -> Option<usize> {
+fn cable(text: &str, cables: usize) -> Option<usize> {
     let number: usize = text.parse().ok()?;
-    (1..=CABLES).contains(&number).then(|| number - 1)
+    (1..=cables).contains(&number).then(|| number - 1)
 }
 
 fn hexadecimal(text: &str) -> Option<u32> {
@@ -169,12 +170,18 @@ fn hexadecimal(text: &str) -> Option<u32> {
 }
 
 /// What goes wrong when, in a script or from somebody's hand.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Script {
+    cables: usize,
     lines: Vec<(Moment, Mishap)>,
 }
 
 impl Script {
+    /// Nothing goes wrong at a rig of so many cables.
+    pub fn new(cables: usize) -> Self {
+        Self { cables, lines: vec![] }
+    }
+
     /// Reads one line and keeps it; empty ones and `# comments` say nothing.
     ///
     /// # Errors
@@ -189,7 +196,7 @@ impl Script {
             ["lifted", time, ref what @ ..] => (Moment::Lifted(seconds(time).ok_or_else(refused)?), what),
             _ => (Moment::Now, &words[..]),
         };
-        self.lines.push((moment, parse(what).ok_or_else(refused)?));
+        self.lines.push((moment, mishap(what, self.cables).ok_or_else(refused)?));
         Ok(())
     }
 
@@ -288,10 +295,10 @@ mod tests {
         for line in GRAMMAR.lines().filter(|line| !line.starts_with("N:")) {
             let text = line.split("  ").next().unwrap().replace('N', "2");
             for text in text.split(", ") {
-                assert!(text.parse::<Mishap>().is_ok(), "{text}");
+                assert!(Mishap::parse(text, 6).is_ok(), "{text}");
             }
         }
-        let parse = |text: &str| text.parse::<Mishap>().unwrap();
+        let parse = |text: &str| Mishap::parse(text, 6).unwrap();
         assert_eq!(parse("lose 5%"), Mishap::Lose(0.05));
         assert_eq!(parse("drive 2 emcy 0x8611"), Mishap::Drive(1, DriveMishap::Emergency(0x8611)));
         let refused = DriveMishap::Refuses(Object::new(0x6072, 0), 0x0609_0031);
@@ -304,17 +311,17 @@ mod tests {
         for text in
             ["lose 5", "lose 101%", "drive 0 dead", "cell 7 stuck", "drive 2 emcy 8611", "drive 2", "hang"]
         {
-            let error = text.parse::<Mishap>().unwrap_err().to_string();
+            let error = Mishap::parse(text, 6).unwrap_err().to_string();
             assert!(error.contains(text) && error.contains("cell N stuck"), "{error}");
         }
         for line in ["at dead", "at -1 cut", "at 1.0", "lifted cut"] {
-            assert!(Script::default().add(line).is_err(), "{line}");
+            assert!(Script::new(6).add(line).is_err(), "{line}");
         }
     }
 
     #[test]
     fn a_script_is_done_when_it_is_due_and_once() {
-        let mut script = Script::default();
+        let mut script = Script::new(6);
         for line in ["# a comment", "at 2.0 lose 5%", "lifted 0.4 cut", "", "mend # at once"] {
             script.add(line).unwrap();
         }

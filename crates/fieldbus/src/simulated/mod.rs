@@ -1,4 +1,4 @@
-//! A lab without hardware: six drives, their load cells and the plant, behind the buses of a rig file.
+//! A lab without hardware: drives, load cells and the plant, behind the buses of a fieldbus file.
 
 mod bench;
 mod cell;
@@ -17,8 +17,7 @@ pub use node::{NodeFaults, SimulatedNode};
 use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
-use crate::{CABLES, PerCable, six_of};
-use cable_robot::robot::ParameterError;
+use cable_robot::robot::{Cables, ParameterError, PerCable};
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
@@ -43,41 +42,37 @@ pub enum Support {
 #[derive(Clone, Debug)]
 pub struct SimulatedRig {
     /// One a cable.
-    pub drives: PerCable<SimulatedDrive>,
+    pub drives: Vec<SimulatedDrive>,
     /// One a node with load cells.
     pub cells: Vec<SimulatedCells>,
     config: Config,
-    home_length: PerCable<f64>,
-    plant_parameters: PlantParameters,
+    /// At the home pose.
+    at_home: Cables,
     plant: Plant,
     support: Support,
     time: Nanoseconds,
-    steps: i32,
     oldest_command: Nanoseconds,
 }
 
 impl SimulatedRig {
-    /// Switched on at time 0, the platform on its stand. Robot and home pose are those of the rig file; of `imperfections` the rest counts.
+    /// Switched on at time 0, the platform on its stand. Rig and home pose are those of `config`; of `imperfections` the rest counts.
     ///
     /// # Errors
     /// [`ParameterError`] for an imperfection that makes no sense.
     pub fn new(config: Config, imperfections: PlantParameters) -> Result<Self, ParameterError> {
-        let plant_parameters =
-            PlantParameters { rig: config.controller.rig(), initial_pose: config.home, ..imperfections };
-        let plant = Plant::new(plant_parameters, &PlantInputs::none(CABLES))?;
+        let (rig, cables) = (config.rig, config.rig.cables.len());
+        let parameters = PlantParameters { rig, initial_pose: config.home, ..imperfections };
+        let plant = Plant::new(parameters, &PlantInputs::none(cables))?;
         let mut nodes: Vec<_> = config.load_cells.iter().map(|cell| cell.node).collect();
         nodes.dedup();
-        let cables = plant_parameters.rig.cables_at(&config.home);
         Ok(Self {
-            drives: std::array::from_fn(|i| SimulatedDrive::new(&config, i)),
+            drives: (0..cables).map(|i| SimulatedDrive::new(&config, i)).collect(),
             cells: nodes.into_iter().map(|node| SimulatedCells::new(&config, node)).collect(),
-            home_length: six_of(&cables.length),
+            at_home: rig.cables_at(&config.home),
             config,
-            plant_parameters,
             plant,
             support: Support::Stand,
             time: 0,
-            steps: 0,
             oldest_command: 0,
         })
     }
@@ -94,7 +89,7 @@ impl SimulatedRig {
 
     /// What the motors pull, N.
     pub fn motor_tension(&self) -> PerCable<f64> {
-        std::array::from_fn(|i| self.drives[i].tension())
+        PerCable::from_fn(self.drives.len(), |i| self.drives[i].tension())
     }
 
     /// The longest that a motor ever pulled without a newer command, until the last [`SimulatedRig::tick`].
@@ -105,7 +100,7 @@ impl SimulatedRig {
     /// Takes in a frame from a bus at `now`; answers go to `out`.
     pub fn on_frame(&mut self, bus: usize, frame: &Frame, now: Nanoseconds, out: &mut Vec<(usize, Frame)>) {
         let mut answers = vec![];
-        for i in 0..CABLES {
+        for i in 0..self.drives.len() {
             if self.config.drives[i].bus == bus {
                 self.drives[i].on_frame(frame, now, &mut answers);
             }
@@ -122,10 +117,10 @@ impl SimulatedRig {
     pub fn tick(&mut self, now: Nanoseconds, out: &mut Vec<(usize, Frame)>) {
         self.move_platform(now);
         let seen = *self.plant.outputs();
-        for i in 0..CABLES {
+        for i in 0..self.drives.len() {
             let (mut sent, at_home) = (vec![], COUNTS_AT_HOME * (i as i32 + 1));
             let winch = self.config.drives[i].winch;
-            self.drives[i].turn_to(winch.counts(seen.cable_length[i] - self.home_length[i], at_home));
+            self.drives[i].turn_to(winch.counts(seen.cable_length[i] - self.at_home.length[i], at_home));
             self.drives[i].tick(now, &mut sent);
             self.oldest_command = self.oldest_command.max(self.drives[i].command_age(now));
             out.extend(sent.into_iter().map(|frame| (self.config.drives[i].bus, frame)));
@@ -141,11 +136,10 @@ impl SimulatedRig {
     fn move_platform(&mut self, now: Nanoseconds) {
         let h = now.saturating_sub(self.time) as f64 * 1e-9;
         self.time = now;
-        let inputs = PlantInputs { motor_tension: self.motor_tension().into(), ..PlantInputs::none(CABLES) };
+        let inputs =
+            PlantInputs { motor_tension: self.motor_tension(), ..PlantInputs::none(self.drives.len()) };
         if self.support == Support::Cables && h > 0.0 {
-            let has_fallen = self.plant.step(&inputs, h).is_err()
-                || self.plant.outputs().encoder_pose.0[2] > self.config.home.0[2] + FLOOR;
-            if has_fallen {
+            if self.plant.step(&inputs, h).is_err() || self.fallen() > FLOOR {
                 self.support = Support::Floor;
             }
         } else if self.support == Support::Stand {
@@ -153,17 +147,17 @@ impl SimulatedRig {
         }
     }
 
+    /// How far the platform is below the home pose, m.
+    fn fallen(&self) -> f64 {
+        let way = self.plant.outputs().encoder_pose.position() - self.config.home.position();
+        way.dot(&self.config.rig.gravity.normalize())
+    }
+
     /// At rest at the home pose, whatever the motors pull, until they carry the weight.
     fn stand(&mut self, inputs: &PlantInputs) {
-        self.steps = self.steps.wrapping_add(1);
-        let noise_seed = self.plant_parameters.noise_seed.wrapping_add(self.steps);
-        if let Ok(plant) = Plant::new(PlantParameters { noise_seed, ..self.plant_parameters }, inputs) {
-            self.plant = plant;
-        }
-        let rig = &self.plant_parameters.rig;
-        let cables = rig.cables_at(&self.config.home);
-        let lift = -cables.wrench(&inputs.motor_tension).0.z;
-        if lift >= LIFTS_AT * rig.weight() {
+        self.plant.stand(inputs);
+        let (rig, (force, _)) = (&self.config.rig, self.at_home.wrench(&inputs.motor_tension));
+        if -force.dot(&rig.gravity.normalize()) >= LIFTS_AT * rig.weight() {
             self.support = Support::Cables;
         }
     }

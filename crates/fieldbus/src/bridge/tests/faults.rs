@@ -213,7 +213,7 @@ fn with_the_cable_cut_the_drives_stop_by_themselves() {
     bench.run(0.15);
     assert_eq!(bench.bridge.fault, Some(Fault::EncoderSilent { cable: 1 }));
     assert!(bench.rig.drives.iter().all(|drive| drive.state() == DriveState::Fault));
-    assert_eq!(bench.rig.motor_tension(), [0.0; CABLES]);
+    assert_eq!(bench.rig.motor_tension(), [0.0; 6]);
 }
 
 /// A controller that goes wrong after a while.
@@ -300,7 +300,7 @@ fn after_a_kill_the_drives_stop_by_themselves() {
     for k in 1..=(watchdog / 1_000_000 + 1) {
         bench.rig.tick(killed + k * 1_000_000, &mut sent);
     }
-    assert_eq!(bench.rig.motor_tension(), [0.0; CABLES]);
+    assert_eq!(bench.rig.motor_tension(), [0.0; 6]);
     assert!(sent.iter().any(|(_, frame)| Emergency::parse(frame).is_some_and(|e| e.code == 0x8130)));
 }
 
@@ -335,7 +335,7 @@ fn what_is_wrong_at_the_start_is_said_and_nothing_is_pulled() {
         assert!(bench.run_until(State::Fault, 15.0));
         let fault = bench.bridge.fault.unwrap();
         assert!(is_expected(&fault), "{fault:?}");
-        assert_eq!(bench.rig.motor_tension(), [0.0; CABLES]);
+        assert_eq!(bench.rig.motor_tension(), [0.0; 6]);
         assert!(bench.bridge.operator(OperatorCommand::Home, bench.now).is_err());
         assert!(bench.bridge.operator(OperatorCommand::Enable, bench.now).is_err());
     }
@@ -365,7 +365,7 @@ fn a_load_cell_that_is_dead_wrongly_scaled_or_of_another_cable_never_gets_ready(
     }
 }
 
-/// A motor that is wired the other way round, or whose direction is wrong in the rig file.
+/// A motor that is wired the other way round, or whose direction is wrong in the fieldbus file.
 #[test]
 fn a_cable_that_is_paid_out_while_slack_is_taken_up_is_a_fault() {
     let mut bench = bench();
@@ -449,7 +449,7 @@ fn a_clock_that_goes_back_while_nothing_moves_does_no_harm() {
 #[test]
 fn a_drive_that_fell_out_pulls_nothing_even_if_the_word_it_shares_leads_it_up() {
     for text in [on_two_buses(), AKD.to_owned()] {
-        let mut bench = moving(with_noise(Config::parse(&text).unwrap()), 0.4);
+        let mut bench = moving(with_noise(parse(&text).unwrap()), 0.4);
         bench.suffer("drive 2 blocked").unwrap();
         bench.run(1.0);
         assert_eq!(bench.bridge.state(), State::Fault);

@@ -58,7 +58,11 @@ fn each_safe_output_is_what_it_says() {
     assert_ne!(last.tension, before);
     assert_eq!(bench.rig.support(), Support::Cables);
     let (_, first, last, bench) = stopped(SafeOutput::TorqueOff);
-    assert_eq!((first, last.tension), ([0.0; CABLES], [0.0; CABLES]));
+    assert!(
+        [first, last.tension].iter().flatten().all(|tension| *tension == 0.0),
+        "{first:?} {:?}",
+        last.tension
+    );
     assert!(bench.rig.drives.iter().all(|drive| drive.state() == DriveState::SwitchOnDisabled));
 }
 
@@ -73,7 +77,7 @@ fn winches_that_resist_keep_the_platform_level_where_constant_tensions_turn_it_o
         let mut bench = moving(with_noise(config), 12.0);
         bench.is_pressed = false;
         bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
-        bench.run(3.0);
+        bench.run(4.0);
         bench.rig.plant().encoder_pose.angles().amax()
     };
     let (stiff, loose) = (turned_after_release(true), turned_after_release(false));

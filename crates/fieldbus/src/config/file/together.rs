@@ -3,12 +3,12 @@
 use toml::Spanned;
 
 use super::{DriveEntry, File};
-use crate::CABLES;
 use crate::canopen::{Node, Object};
 use crate::cia402::{CONTROL_WORD, MAX_TORQUE, MODE, TARGET_TORQUE};
 use crate::config::check::Check;
-use crate::config::{Config, ConfigError, Parameter};
+use crate::config::{Config, ConfigError};
 use cable_robot::control::static_tensions;
+use cable_robot::robot::PerCable;
 
 /// Objects that the bridge sets itself; of the first ones every subindex.
 const OWN_INDICES: [u16; 6] = [0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00];
@@ -16,6 +16,7 @@ const OWN_OBJECTS: [Object; 4] = [CONTROL_WORD, MODE, TARGET_TORQUE, MAX_TORQUE]
 
 /// Looks at all of it.
 pub(super) fn check(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    tensions_are_limited(check, file, config)?;
     nodes_are_different(check, file, config)?;
     buses_are_different(check, file)?;
     readings_are_different(check, file, config)?;
@@ -41,10 +42,10 @@ fn nodes_are_different(check: &Check, file: &File, config: &Config) -> Result<()
                 Ok(())
             }
         };
-    for i in 0..CABLES {
+    for i in 0..drives.len() {
         claim(config.drives[i].node, &drives[i].node, format!("drives[{}]", i + 1))?;
     }
-    for i in 0..CABLES {
+    for i in 0..cells.len() {
         let (node, bus) = (config.load_cells[i].node, config.load_cells[i].bus);
         match config.load_cells[..i].iter().find(|other| other.node == node) {
             Some(same) if same.bus == bus => {}
@@ -68,7 +69,7 @@ fn buses_are_different(check: &Check, file: &File) -> Result<(), ConfigError> {
 
 fn readings_are_different(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
     let reading = |i: usize| (config.load_cells[i].node, config.load_cells[i].cell.object);
-    for i in 0..CABLES {
+    for i in 0..config.load_cells.len() {
         if let Some(j) = (0..i).find(|j| reading(*j) == reading(i)) {
             let entry = &file.load_cells.get_ref()[i].index;
             let allowed = format!("load_cells[{}] reads this object of node {} already", j + 1, reading(i).0);
@@ -91,15 +92,24 @@ fn objects_are_not_our_own(check: &Check, file: &File, config: &Config) -> Resul
     Ok(())
 }
 
+/// A motor always has a greatest tension.
+fn tensions_are_limited(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+    let Some(i) = config.rig.cables.iter().position(|cable| cable.limits.max.is_infinite()) else {
+        return Ok(());
+    };
+    let allowed = format!("its rig file must say the greatest tension of cable {}: tension.max (N)", i + 1);
+    Err(check.refuse(file.rig.span().start, "rig", file.rig.get_ref(), allowed))
+}
+
 /// A torque that is cut without a word is not what the controller reckons with.
 fn motors_are_strong_enough(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
-    let most = config.controller.max_tension;
     for (i, entry) in file.drives.get_ref().iter().enumerate() {
         let DriveEntry { torque_limit, .. } = entry;
-        let winch = &config.drives[i].winch;
+        let (winch, most) = (&config.drives[i].winch, config.rig.cables[i].limits.max);
         let needed = most * winch.pulley_radius / winch.gear;
         if winch.torque_limit < needed {
-            let allowed = format!("must be at least {needed} N m for maxTension ({most} N)");
+            let allowed =
+                format!("must be at least {needed} N m for the greatest tension of the rig file ({most} N)");
             let field = format!("drives[{}].torque_limit", i + 1);
             return Err(check.refuse(torque_limit.span().start, &field, winch.torque_limit, allowed));
         }
@@ -108,21 +118,17 @@ fn motors_are_strong_enough(check: &Check, file: &File, config: &Config) -> Resu
 }
 
 fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
-    let controller = &config.controller;
-    let least = match controller.parameters.get("minTension") {
-        Some(Parameter::Number(least)) => *least,
-        _ => 0.0,
+    let tensions = static_tensions(&config.rig, &config.home, 0.0);
+    let limits = config.rig.limits();
+    let within = |tensions: &PerCable<f64>| {
+        tensions.iter().zip(&limits).all(|(tension, limits)| limits.margin(*tension) >= 0.0)
     };
-    let tensions = static_tensions(&controller.rig(), &config.home, 0.0);
-    let limits = least..=controller.max_tension;
-    if tensions.is_some_and(|tensions| tensions.iter().all(|tension| limits.contains(tension))) {
+    if tensions.as_ref().is_some_and(within) {
         return Ok(());
     }
     let found = tensions.map_or("none".to_owned(), |tensions| format!("{tensions:.2?} N"));
-    let allowed = format!(
-        "must be a pose that cables hold with {least} to {} N each; it takes {found}",
-        controller.max_tension
-    );
+    let allowed =
+        format!("must be a pose that cables hold within the limits of the rig file; it takes {found}");
     let value = format!("{:?}", file.home.get_ref());
     Err(check.refuse(file.home.span().start, "home", value, allowed))
 }
@@ -148,12 +154,14 @@ fn pretension_is_seen(check: &Check, file: &File, config: &Config) -> Result<(),
     Ok(())
 }
 
-/// With twice of it in one cable, neither `maxTension` nor the platform's weight is reached. N.
+/// With twice of it in one cable, neither a greatest tension nor the platform's weight is reached. N.
 fn greatest_pretension(config: &Config) -> f64 {
-    let rig = config.controller.rig();
-    let lift = rig.cables_at(&config.home).direction.map(|direction| -direction.z);
-    let most = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
-    (0.5 * config.controller.max_tension).min(rig.weight() / most)
+    let rig = &config.rig;
+    let up = -rig.gravity.normalize();
+    let lift = rig.cables_at(&config.home).direction.map(|direction| direction.dot(&up));
+    let lifted = lift.iter().sum::<f64>() + lift.iter().copied().fold(0.0, f64::max);
+    let most = if lifted > 0.0 { rig.weight() / lifted } else { f64::INFINITY };
+    (0.5 * rig.common_limits().max).min(most)
 }
 
 /// The bridge's heartbeat comes with a cycle, and after a pause that it rides through the drives must still be there.

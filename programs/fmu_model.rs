@@ -1,22 +1,22 @@
-//! A controller or plant that is an FMU from elsewhere, in the closed loop.
+//! A controller or plant that is an FMU: in the closed loop of `cable-robot simulate`, and between the motors of `can-bridge`.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource};
 use cable_robot::robot::{RigFile, Shape};
-use cable_robot::sim::{ControllerModel, ModelError, PlantInputs, PlantModel, PlantOutputs, Scenario};
+use cable_robot::sim::{ControllerModel, ModelError, PlantInputs, PlantModel, PlantOutputs};
 use cable_robot_fmi::models::{controller, plant};
 use cable_robot_fmi::values::Values;
 use cable_robot_fmi::variables::Causality as Role;
 use cable_robot_fmi::{Interface, Model};
-use cable_robot_import::{
-    Causality, FmiVersion, Fmu, Instance, LogMessage, Status, Value, Variable, VariableType,
-};
+use cable_robot_import::{Causality, FmiVersion, Fmu, Instance, LogCallback, Value, Variable, VariableType};
 use cable_robot_report::{recording::column, run_folder};
 
-/// An FMU in the place of ours. Its variables are found by the names of ours; what it lacks is left out.
+/// An FMU in the place of ours. Its variables are found by the names of ours; what it lacks is left out. After its initialization a step
+/// allocates nothing here.
 pub struct FmuModel {
+    path: PathBuf,
     instance: Instance,
     interface: Interface,
     inputs: Vec<(u32, Variable)>,
@@ -33,8 +33,11 @@ enum Phase {
 }
 
 impl FmuModel {
-    /// Opens the file and sets the scenario's parameters. Which of the two models it stands for its variables tell.
-    pub fn open(path: &Path, scenario: &Scenario) -> Result<Self> {
+    /// Opens the file, for this rig. Which of the two models it stands for its variables tell; what it has to say goes to `log`.
+    ///
+    /// # Errors
+    /// A file that is no FMU for this machine, is neither model, or has another number of cables than the rig.
+    pub fn open(path: &Path, rig: &RigFile, log: LogCallback) -> Result<Self> {
         let fmu = Fmu::open(path)?;
         let motor = fmu.description().variable("motorTension[1]").map(|variable| variable.causality);
         let (model, name) = match motor {
@@ -42,25 +45,40 @@ impl FmuModel {
             Some(Causality::Input) => (Model::Plant, "plant"),
             _ => bail!(
                 "{} is neither controller nor plant: a controller has the scalar outputs motorTension[1] to \
-                 motorTension[6], a plant has them as inputs",
+                 motorTension[n], a plant has them as inputs",
                 path.display()
             ),
         };
-        let instance = fmu.instantiate(name, Box::new(say))?;
-        let interface = interface(model, &fmu, scenario);
-        let mut values = interface.start().clone();
-        match model {
-            Model::Controller => controller::write_parameters(&interface, &scenario.controller, &mut values),
-            Model::Plant => plant::write_parameters(&interface, &scenario.plant, &mut values),
-        }
-        for (reference, variable) in shared(&instance, &interface, Role::Parameter)? {
-            instance.set(&variable, typed(variable.kind, values.at(reference)))?;
-        }
+        let cables = rig.rig.cables.len();
+        let beyond = fmu.description().variable(&format!("motorTension[{}]", cables + 1));
+        ensure!(beyond.is_none(), "{} has more cables than the rig, which has {cables}", path.display());
+        let instance = fmu.instantiate(name, log)?;
+        let interface = interface(model, &fmu, rig);
+        let values = interface.start().clone();
         let inputs = shared(&instance, &interface, Role::Input)?;
         let outputs = shared(&instance, &interface, Role::Output)?;
-        let found = Self { instance, interface, inputs, outputs, values, phase: Phase::Instantiated };
-        found.require_essentials(&scenario.controller).with_context(|| format!("{}", path.display()))?;
-        Ok(found)
+        let path = path.to_owned();
+        Ok(Self { path, instance, interface, inputs, outputs, values, phase: Phase::Instantiated })
+    }
+
+    /// Sets its parameters to what `write` makes of ours.
+    ///
+    /// # Errors
+    /// Those of `write`, and what the FMU refuses.
+    pub fn set_parameters(
+        &mut self,
+        write: impl FnOnce(&Interface, &mut Values) -> Result<()>,
+    ) -> Result<()> {
+        write(&self.interface, &mut self.values)?;
+        for (reference, variable) in shared(&self.instance, &self.interface, Role::Parameter)? {
+            self.instance.set(&variable, typed(variable.kind, self.values.at(reference)))?;
+        }
+        Ok(())
+    }
+
+    /// What our variables of its kind are called, and what they hold.
+    pub fn values(&self) -> (&Interface, &Values) {
+        (&self.interface, &self.values)
     }
 
     /// Which of the two it stands for.
@@ -69,14 +87,14 @@ impl FmuModel {
     }
 
     /// For `run.json`.
-    pub fn info(&self, path: PathBuf) -> run_folder::Model {
+    pub fn info(&self) -> run_folder::Model {
         let description = self.instance.description();
         let fmi_version = match description.version {
             FmiVersion::V2 => "2.0",
             FmiVersion::V3 => "3.0",
         };
         run_folder::Model::Fmu {
-            path,
+            path: self.path.clone(),
             name: description.model_name.clone(),
             fmi_version: fmi_version.to_owned(),
         }
@@ -90,24 +108,32 @@ impl FmuModel {
     }
 
     /// Without these there is no loop: motors and pose, and what the controller's settings say it reads besides.
-    fn require_essentials(&self, controller: &ControllerParameters) -> Result<()> {
-        let essentials = match self.model() {
-            Model::Controller => vec![(Role::Output, "motorTension", &self.outputs)],
-            Model::Plant => {
-                let [pose, lengths, cells] = ["encoderPose", "cableLength", "measuredTension"]
-                    .map(|name| (Role::Output, name, &self.outputs));
-                let mut all = vec![(Role::Input, "motorTension", &self.inputs), pose];
-                all.extend((controller.pose_source == PoseSource::CableLengths).then_some(lengths));
-                all.extend(controller.force_loop.then_some(cells));
-                all
-            }
-        };
-        for (role, essential, have) in essentials {
-            let needed = scalars(&self.interface, role).filter(|(name, _)| name.starts_with(essential));
-            for (name, reference) in needed {
-                let has = have.iter().any(|(known, _)| *known == reference);
-                ensure!(has, "a {} needs the {} {name}", self.instance.name(), role.name());
-            }
+    ///
+    /// # Errors
+    /// The first that it lacks.
+    pub fn require_essentials(&self, controller: &ControllerParameters) -> Result<()> {
+        if self.model() == Model::Controller {
+            return self.require(Role::Output, &["motorTension"]);
+        }
+        self.require(Role::Input, &["motorTension"])?;
+        let mut outputs = vec!["encoderPose"];
+        outputs.extend((controller.pose_source == PoseSource::CableLengths).then_some("cableLength"));
+        outputs.extend(controller.force_loop.then_some("measuredTension"));
+        self.require(Role::Output, &outputs)
+    }
+
+    /// Whether it has all our variables in this role that begin with one of these names.
+    ///
+    /// # Errors
+    /// The first that it lacks.
+    pub fn require(&self, role: Role, names: &[&str]) -> Result<()> {
+        let have = shared(&self.instance, &self.interface, role)?;
+        let needed = scalars(&self.interface, role)
+            .filter(|(name, _)| names.iter().any(|start| name.starts_with(start)));
+        for (name, reference) in needed {
+            let has = have.iter().any(|(known, _)| *known == reference);
+            let (path, model) = (self.path.display(), self.instance.name());
+            ensure!(has, "{path}: a {model} needs the {} {name}", role.name());
         }
         Ok(())
     }
@@ -125,6 +151,17 @@ impl FmuModel {
         for (reference, variable) in &self.outputs {
             self.values.put(*reference, self.instance.get(variable)?.as_f64());
         }
+        Ok(())
+    }
+
+    /// Its initialization ends; from now on it only steps, and logs no remarks any more: they cost memory, and errors are told all the same.
+    ///
+    /// # Errors
+    /// What the FMU refuses.
+    pub fn begin(&mut self) -> Result<(), ModelError> {
+        self.instance.exit_initialization()?;
+        self.instance.set_logging(false)?;
+        self.phase = Phase::Stepping;
         Ok(())
     }
 
@@ -190,13 +227,6 @@ impl Drop for FmuModel {
     }
 }
 
-/// Passes on what the FMU has to say beyond remarks.
-fn say(message: &LogMessage) {
-    if message.status > Status::Ok {
-        crate::say(format_args!("{}: {}", message.instance, message.text));
-    }
-}
-
 /// Names and value references of our variables in a role.
 fn scalars(interface: &Interface, role: Role) -> impl Iterator<Item = (String, u32)> {
     let in_role = interface.scalars().filter(move |scalar| scalar.row.causality == role);
@@ -204,15 +234,12 @@ fn scalars(interface: &Interface, role: Role) -> impl Iterator<Item = (String, u
 }
 
 /// Which names to look for: those of the paper's rig, where it is that and the FMU does not have the cables one by one.
-fn interface(model: Model, fmu: &Fmu, scenario: &Scenario) -> Interface {
-    let rig = scenario.plant.rig;
-    let is_paper = Shape::of(&rig).is_ok_and(|shape| shape.is_in_place());
+fn interface(model: Model, fmu: &Fmu, rig: &RigFile) -> Interface {
+    let is_paper = Shape::of(&rig.rig).is_ok_and(|shape| shape.is_in_place());
     if is_paper && fmu.description().variable("anchor[1].x").is_none() {
         return model.interface();
     }
-    let (lambda, eta) = (scenario.controller.lambda, scenario.controller.eta);
-    let home = scenario.plant.initial_pose;
-    Interface::of_rig(model, &RigFile { name: scenario.rig.clone(), rig, home, lambda, eta })
+    Interface::of_rig(model, rig)
 }
 
 /// Our value references and the FMU's variables, where it has one of the same name and role.
