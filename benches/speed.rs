@@ -49,7 +49,7 @@ fn library_steps(c: &mut Criterion) {
     c.bench_function("controller step, library", |b| {
         b.iter(|| {
             count += 1;
-            controller.step(f64::from(count) * STEP, black_box(&resting));
+            controller.step(f64::from(count) * STEP, STEP, black_box(&resting));
         })
     });
     c.bench_function("plant step, library", |b| b.iter(|| plant.step(black_box(&pull), STEP).unwrap()));
@@ -140,7 +140,7 @@ fn closed_loop(c: &mut Criterion) {
         b.iter(|| {
             let (mut controller, mut plant, mut pull) = at_rest();
             for k in 0..1000u32 {
-                controller.step(f64::from(k) * STEP, &inputs(&plant, Pose::at(0.15, 0.15, 1.0)));
+                controller.step(f64::from(k) * STEP, STEP, &inputs(&plant, Pose::at(0.15, 0.15, 1.0)));
                 pull.motor_tension = controller.outputs().motor_tension;
                 plant.step(&pull, STEP).unwrap();
             }

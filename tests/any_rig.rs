@@ -71,7 +71,7 @@ fn drive(name: &str, file: &RigFile, goal: &Pose) -> (f64, f64) {
     for k in 0..40_000 {
         let time = f64::from(k) * STEP;
         inputs.encoder_pose = plant.outputs().encoder_pose;
-        controller.step(time, &inputs);
+        controller.step(time, STEP, &inputs);
         let outputs = controller.outputs();
         if outputs.status == Status::AtGoal {
             return (least, time);

@@ -88,7 +88,7 @@ fn an_impossible_pose_holds_gravity_until_the_operator_resets() {
     let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     let good = inputs.encoder_pose;
     inputs.encoder_pose = Pose::at(0.3, 0.0, 1.0);
-    closed_loop.controller.step(0.2, &inputs);
+    closed_loop.controller.step(0.2, 1e-3, &inputs);
     let check = |closed_loop: &ClosedLoop| {
         let output = closed_loop.controller.outputs();
         assert_eq!(output.status, Status::SensorFault);
@@ -100,13 +100,13 @@ fn an_impossible_pose_holds_gravity_until_the_operator_resets() {
     };
     check(&closed_loop);
     inputs.encoder_pose = good;
-    closed_loop.controller.step(0.201, &inputs);
+    closed_loop.controller.step(0.201, 1e-3, &inputs);
     check(&closed_loop);
     inputs.enable = false;
-    closed_loop.controller.step(0.202, &inputs);
+    closed_loop.controller.step(0.202, 1e-3, &inputs);
     assert_eq!(closed_loop.controller.outputs().status, Status::Disabled);
     inputs.enable = true;
-    closed_loop.controller.step(0.203, &inputs);
+    closed_loop.controller.step(0.203, 1e-3, &inputs);
     assert_ne!(closed_loop.controller.outputs().status, Status::SensorFault);
 }
 
@@ -117,7 +117,7 @@ fn a_singular_pose_is_a_fault_and_not_a_number_gone_wild() {
     let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     for k in 0..40 {
         inputs.encoder_pose = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.08 * f64::from(k)));
-        closed_loop.controller.step(f64::from(k), &inputs);
+        closed_loop.controller.step(f64::from(k), 1e-3, &inputs);
         let output = closed_loop.controller.outputs();
         assert!(output.motor_tension.iter().all(|u| (0.0..=100.0).contains(u)), "{output:?}");
         assert!(output.tension_margin.is_finite());
@@ -226,7 +226,7 @@ fn a_first_pose_that_cannot_be_holds_gravity_where_the_robot_was_said_to_be() {
         let hanging = Plant::new(PlantParameters::default(), &PlantInputs::none(6)).unwrap();
         let good = inputs(hanging.outputs(), Pose::default(), true);
         let mut controller = Controller::new(ControllerParameters::default(), 0.0, &good).unwrap();
-        controller.step(0.0, &ControllerInputs { encoder_pose: wrong, ..good });
+        controller.step(0.0, 1e-3, &ControllerInputs { encoder_pose: wrong, ..good });
         let output = controller.outputs();
         assert_eq!(output.status, Status::SensorFault);
         assert!(output.motor_tension.iter().all(|u| (u - 10.7612).abs() < 1e-3), "{output:?}");
@@ -248,12 +248,12 @@ fn a_first_pose_of_zeros_is_waited_out() {
         let good = inputs(hanging.outputs(), at, true);
         let zeros = ControllerInputs { encoder_pose: Pose(Coordinates::zeros()), ..good };
         let mut controller = Controller::new(parameters, 0.0, &good).unwrap();
-        controller.step(0.0, &zeros);
+        controller.step(0.0, 1e-3, &zeros);
         let output = controller.outputs();
         assert_eq!((output.status, output.fault.check), (Status::SensorFault, check));
         // Meanwhile gravity is held where the robot was said to be.
         let held = controller.outputs().motor_tension;
-        controller.step(1e-3, &good);
+        controller.step(1e-3, 1e-3, &good);
         let output = controller.outputs();
         assert_ne!(output.status, Status::SensorFault, "{output:?}");
         assert_eq!((output.fault, output.set_point), (Fault::NONE, at));
@@ -267,13 +267,17 @@ fn a_fault_says_which_check_and_what_value_and_ends_with_it() {
     run(&mut closed_loop, 0.2);
     let good = inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     assert_eq!(closed_loop.controller.outputs().fault, Fault::NONE);
-    closed_loop.controller.step(0.2, &ControllerInputs { encoder_pose: Pose::at(0.3, 0.0, 1.0), ..good });
+    closed_loop.controller.step(
+        0.2,
+        1e-3,
+        &ControllerInputs { encoder_pose: Pose::at(0.3, 0.0, 1.0), ..good },
+    );
     let fault = closed_loop.controller.outputs().fault;
     assert_eq!(fault.check, Check::PositionJump);
     assert!((fault.value - 0.3).abs() < 1e-6 && (fault.limit - 0.052).abs() < 1e-9, "{fault:?}");
-    closed_loop.controller.step(0.201, &good);
+    closed_loop.controller.step(0.201, 1e-3, &good);
     assert_eq!(closed_loop.controller.outputs().fault, fault, "the first one stays");
-    closed_loop.controller.step(0.202, &ControllerInputs { enable: false, ..good });
+    closed_loop.controller.step(0.202, 1e-3, &ControllerInputs { enable: false, ..good });
     assert_eq!(closed_loop.controller.outputs().fault, Fault::NONE);
 }
 

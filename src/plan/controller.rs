@@ -24,8 +24,8 @@ pub struct Controller {
     is_fresh: bool,
     /// Time of the last step, s.
     time: f64,
-    /// Length of the last step, s: for how long a command is held.
-    hold: f64,
+    /// For how long the command of the last step is held, and that of the one before, s.
+    hold: [f64; 2],
     /// When the planner was started, s, and how often it was asked since.
     started: f64,
     ticks: u64,
@@ -75,7 +75,7 @@ impl Controller {
             mode: Mode::Disabled,
             is_fresh: true,
             time,
-            hold: 0.0,
+            hold: [0.0; 2],
             started: time,
             ticks: 0,
             estimator,
@@ -92,15 +92,16 @@ impl Controller {
         Ok(controller)
     }
 
-    /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs to hold until the next step.
-    pub fn step(&mut self, time: f64, inputs: &ControllerInputs) {
+    /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs, which the motors then hold for `hold` (s): the planner
+    /// reckons with it.
+    pub fn step(&mut self, time: f64, hold: f64, inputs: &ControllerInputs) {
         if self.is_fresh && time == self.time {
             // The inputs of the first step are those of the start: what was known before may have been a start value only.
             self.begin(inputs);
         }
         let dt = time - self.time;
         self.time = time;
-        self.hold = dt;
+        self.hold = [hold, self.hold[0]];
         self.sense(inputs, dt);
         self.is_fresh = false;
         if self.mode == Mode::Active {
@@ -271,7 +272,8 @@ impl Controller {
             pose,
             rates,
             set_point: &self.outputs.set_point,
-            hold: self.hold,
+            // A step that is shorter than the others tells nothing of those to come.
+            hold: self.hold[0].max(self.hold[1]),
             rest: self.planner.rest,
         }
     }

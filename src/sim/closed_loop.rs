@@ -51,10 +51,10 @@ impl ControllerModel for Controller {
     fn step(
         &mut self,
         time: f64,
-        _h: f64,
+        h: f64,
         inputs: &ControllerInputs,
     ) -> Result<ControllerOutputs, ModelError> {
-        Controller::step(self, time, inputs);
+        Controller::step(self, time, h, inputs);
         Ok(*self.outputs())
     }
 }

@@ -30,7 +30,7 @@ impl ClosedLoop {
 
     /// One communication step; what the controller answered and what the plant was then.
     pub fn advance(&mut self) -> (ControllerOutputs, PlantOutputs) {
-        self.controller.step(self.time(), &inputs(self.plant.outputs(), self.goal, self.enable));
+        self.controller.step(self.time(), self.step, &inputs(self.plant.outputs(), self.goal, self.enable));
         let output = *self.controller.outputs();
         let pull = PlantInputs {
             motor_tension: output.motor_tension,

@@ -6,11 +6,9 @@ mod counting_allocator;
 
 use cable_robot::plan::{ControllerInputs, ControllerParameters, PoseSource};
 use cable_robot::robot::{PerCable, Pose, RigFile};
-use cable_robot::sim::PlantParameters;
+use cable_robot::sim::{ControllerModel, PlantParameters};
 use cable_robot_fieldbus::simulated::SimulatedRig;
-use cable_robot_fieldbus::{
-    Bridge, Config, FrameQueue, LibraryController, OperatorCommand, State, TensionController,
-};
+use cable_robot_fieldbus::{Bridge, Config, FrameQueue, LibraryController, OperatorCommand, State};
 use counting_allocator::CALLS;
 
 /// What `action` returns, and how often it allocated.
@@ -40,7 +38,7 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
         goal_pose: home,
         enable: false,
     };
-    controller.step(0.0, &still).unwrap();
+    controller.start(&still).unwrap();
     let mut bridge = Bridge::new(config);
     let (mut coming, mut calls, mut goal_sent) = (vec![], 0, false);
     for k in 1..=3000 {

@@ -1,29 +1,9 @@
-//! Who computes the tensions: the packed FMU for `can-bridge`, the library's own controller in tests and in static builds.
-
-use thiserror::Error;
+//! The library's own controller, in the place of the packed FMU: in tests and in static builds.
 
 use cable_robot::plan::{Controller, ControllerInputs, ControllerOutputs, ControllerParameters};
+use cable_robot::sim::{ControllerModel, ModelError};
 
-/// Pose, lengths and measured tensions in, tensions out. What goes in and comes out is what the FMU's variables say.
-pub trait TensionController {
-    /// Reads `inputs` measured at `time` (s, increasing) and computes what the motors shall pull from now on.
-    ///
-    /// With `enable` false it only follows the measurements.
-    ///
-    /// # Errors
-    /// [`ControllerFailure`]: there are no outputs, and will not be any more.
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure>;
-}
-
-/// The controller computed nothing.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("the controller failed: {reason}")]
-pub struct ControllerFailure {
-    /// What it said.
-    pub reason: String,
-}
-
-/// The library's controller.
+/// The library's controller, which starts with its first step, whenever that is.
 #[derive(Clone, Debug)]
 pub struct LibraryController {
     parameters: ControllerParameters,
@@ -31,20 +11,31 @@ pub struct LibraryController {
 }
 
 impl LibraryController {
-    /// Starts with its first step.
+    /// With these parameters.
     pub fn new(parameters: ControllerParameters) -> Self {
         Self { parameters, controller: None }
     }
+
+    fn start_at(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        let controller = Controller::new(self.parameters, time, inputs)?;
+        Ok(*self.controller.insert(controller).outputs())
+    }
 }
 
-impl TensionController for LibraryController {
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        if let Some(controller) = &mut self.controller {
-            controller.step(time, inputs);
-            return Ok(*controller.outputs());
+impl ControllerModel for LibraryController {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        self.start_at(0.0, inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        match &mut self.controller {
+            Some(controller) => ControllerModel::step(controller, time, h, inputs),
+            None => self.start_at(time, inputs),
         }
-        let controller = Controller::new(self.parameters, time, inputs)
-            .map_err(|error| ControllerFailure { reason: error.to_string() })?;
-        Ok(*self.controller.insert(controller).outputs())
     }
 }

@@ -11,7 +11,7 @@
 //! | [`files`] | it and the rig file that it names, on disk |
 //! | [`bus_load`] | what fits on a bus |
 //! | [`export`] | the bus as a DBC file, for bench tools |
-//! | [`controller`] | who computes the tensions |
+//! | [`controller`] | the library's controller in the place of the packed one |
 //! | [`bridge`] | the state machine between all of these |
 //! | [`simulated`] | a lab without hardware |
 
@@ -33,7 +33,7 @@ pub mod transport;
 
 pub use bridge::{Bridge, FrameQueue, OperatorCommand, State};
 pub use config::Config;
-pub use controller::{LibraryController, TensionController};
+pub use controller::LibraryController;
 pub use files::Files;
 pub use frame::Frame;
 

@@ -4,9 +4,8 @@ use anyhow::{Context, Result, bail};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::robot::{PerCable, Pose, RigFile};
 use cable_robot::sim::{ControllerModel, ModelError};
+use cable_robot_fieldbus::Config;
 use cable_robot_fieldbus::config::Parameter;
-use cable_robot_fieldbus::controller::ControllerFailure;
-use cable_robot_fieldbus::{Config, TensionController};
 use cable_robot_fmi::Interface;
 use cable_robot_fmi::models::controller;
 use cable_robot_fmi::variables::{Causality as Role, Kind};
@@ -77,8 +76,20 @@ impl FmuController {
     pub fn info(&self) -> run_folder::Model {
         self.fmu.info()
     }
+}
 
-    fn advance(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+impl ControllerModel for FmuController {
+    /// It was started when it was opened.
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        ControllerModel::start(&mut self.fmu, inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        _h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
         if time - self.time > self.longest_step {
             let measured = time - self.period;
             ControllerModel::step(&mut self.fmu, self.time, measured - self.time, &self.inputs)?;
@@ -87,12 +98,6 @@ impl FmuController {
         let outputs = ControllerModel::step(&mut self.fmu, self.time, time - self.time, inputs)?;
         (self.time, self.inputs) = (time, *inputs);
         Ok(outputs)
-    }
-}
-
-impl TensionController for FmuController {
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        self.advance(time, inputs).map_err(|error| ControllerFailure { reason: error.to_string() })
     }
 }
 
@@ -169,12 +174,13 @@ mod tests {
         let mut library = Controller::new(fmu.parameters(), 0.0, &at_rest(&config)).unwrap();
         // It is asked for the first time after 5 s, then at times that are not quite regular.
         let mut before = 5.0 - fmu.period;
-        library.step(0.0, &at_rest(&config));
+        let h = fmu.period;
+        library.step(0.0, before, &at_rest(&config));
         for k in 0..200 {
             let time = 5.0 + f64::from(k) * fmu.period + 1e-4 * f64::from(k % 3);
             let inputs = inputs(1e-5 * f64::from(k % 7));
-            library.step(before, &inputs);
-            let (theirs, ours) = (fmu.step(time, &inputs).unwrap(), library.outputs());
+            library.step(before, time - before, &inputs);
+            let (theirs, ours) = (fmu.step(time, h, &inputs).unwrap(), library.outputs());
             assert_eq!(theirs.motor_tension, ours.motor_tension, "cycle {k}");
             assert_eq!((theirs.set_point, theirs.status), (ours.set_point, ours.status), "cycle {k}");
             before = time;
@@ -185,7 +191,7 @@ mod tests {
     #[test]
     fn what_the_fmu_refuses_is_a_failure_that_says_why() {
         let mut fmu = FmuController::open(&config()).unwrap();
-        let failure = fmu.step(1.0, &inputs(f64::NAN)).unwrap_err();
-        assert!(failure.reason.contains("cableLength[1] = NaN"), "{failure}");
+        let failure = fmu.step(1.0, 4e-3, &inputs(f64::NAN)).unwrap_err().to_string();
+        assert!(failure.contains("cableLength[1] = NaN"), "{failure}");
     }
 }

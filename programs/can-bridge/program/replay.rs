@@ -6,8 +6,9 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use cable_robot::sim::ControllerModel;
 use cable_robot_fieldbus::bridge::Bridge;
-use cable_robot_fieldbus::{Config, Files, FrameQueue, Nanoseconds, TensionController};
+use cable_robot_fieldbus::{Config, Files, FrameQueue, Nanoseconds};
 
 use super::controller::FmuController;
 use super::entry::{Input, OnBus};
@@ -137,7 +138,7 @@ impl Replay {
         })
     }
 
-    fn cycle(&mut self, recorded: &Recorded, controller: &mut dyn TensionController) -> Result<Step> {
+    fn cycle(&mut self, recorded: &Recorded, controller: &mut dyn ControllerModel) -> Result<Step> {
         if self.gap.is_some_and(|gap| gap <= recorded.number) {
             return Ok(Step::End("entries are missing in the recording, the queue was full"));
         }

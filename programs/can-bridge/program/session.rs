@@ -4,11 +4,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use cable_robot::sim::Goal;
+use cable_robot::sim::{ControllerModel, Goal};
 use cable_robot_fieldbus::bridge::{Bridge, CycleReport, Refusal, TransportError};
 use cable_robot_fieldbus::canopen::{TPDO1, sync};
 use cable_robot_fieldbus::transport::{LinkError, Received, Transport, now};
-use cable_robot_fieldbus::{Frame, FrameQueue, Nanoseconds, OperatorCommand, State, TensionController};
+use cable_robot_fieldbus::{Frame, FrameQueue, Nanoseconds, OperatorCommand, State};
 use rtrb::Consumer;
 
 use super::entry::{Cycle, Entry, Input, OnBus, Teller};
@@ -37,7 +37,7 @@ pub enum End {
 /// Bridge, controller and links, and everybody who has a say.
 pub struct Session<'a> {
     bridge: Bridge,
-    controller: &'a mut dyn TensionController,
+    controller: &'a mut dyn ControllerModel,
     links: Vec<Box<dyn Transport>>,
     teller: Teller,
     commands: Consumer<OperatorCommand>,
@@ -67,7 +67,7 @@ impl<'a> Session<'a> {
     /// Before its first cycle.
     pub fn new(
         bridge: Bridge,
-        controller: &'a mut dyn TensionController,
+        controller: &'a mut dyn ControllerModel,
         links: Vec<Box<dyn Transport>>,
         teller: Teller,
         commands: Consumer<OperatorCommand>,

@@ -7,13 +7,12 @@ use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource};
-use cable_robot::sim::PlantParameters;
+use cable_robot::sim::{ControllerModel, ModelError, PlantParameters};
 use cable_robot_fieldbus::cia402::DriveState;
-use cable_robot_fieldbus::controller::ControllerFailure;
 use cable_robot_fieldbus::simulated::SimulatedRig;
 use cable_robot_fieldbus::transport::{LinkError, Received, Transport, now};
 use cable_robot_fieldbus::{
-    Bridge, Config, Files, Frame, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
+    Bridge, Config, Files, Frame, LibraryController, Nanoseconds, OperatorCommand, State,
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -98,7 +97,7 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(controller: &'a mut dyn TensionController) -> Self {
+    fn new(controller: &'a mut dyn ControllerModel) -> Self {
         let config = config();
         let rig = SimulatedRig::new(config.clone(), PlantParameters::default()).unwrap();
         let rig = Arc::new(Mutex::new(rig));
@@ -169,12 +168,21 @@ fn a_cycle_allocates_nothing() {
 /// A controller that fails as no controller should.
 struct Panicking(LibraryController, Arc<AtomicU32>);
 
-impl TensionController for Panicking {
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
+impl ControllerModel for Panicking {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        self.0.start(inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
         if self.1.load(std::sync::atomic::Ordering::Relaxed) > 0 {
             panic!("on purpose, by a test");
         }
-        self.0.step(time, inputs)
+        self.0.step(time, h, inputs)
     }
 }
 

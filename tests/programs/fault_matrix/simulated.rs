@@ -1,15 +1,12 @@
 //! Bridge and simulated rig in simulated time: how many cycles each fault takes, exactly.
 
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
-use cable_robot::sim::PlantParameters;
+use cable_robot::sim::{ControllerModel, ModelError, PlantParameters};
 use cable_robot_fieldbus::bridge::{Cause, Event, Fault, TransportError};
 use cable_robot_fieldbus::cia402::{DriveState, MAX_TORQUE};
-use cable_robot_fieldbus::controller::ControllerFailure;
 use cable_robot_fieldbus::frame::{Frame, FrameKind, error_class};
 use cable_robot_fieldbus::simulated::Bench;
-use cable_robot_fieldbus::{
-    Files, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
-};
+use cable_robot_fieldbus::{Files, LibraryController, Nanoseconds, OperatorCommand, State};
 
 use crate::table::{Row, count};
 use crate::{Case, ensure};
@@ -201,7 +198,7 @@ static FAILURES: [Failure; 27] = [
     },
     Failure {
         name: "controller fails",
-        once: |bench| go_wrong(bench, |_| Err(ControllerFailure { reason: "fmi3Error".to_owned() })),
+        once: |bench| go_wrong(bench, |_| Err("fmi3Error".into())),
         cause: |cause| matches!(cause, Cause::Fault(Fault::ControllerFailed)),
         ..NOTHING
     },
@@ -442,19 +439,25 @@ fn row(
 /// A controller that is well and then is not.
 struct Failing {
     controller: LibraryController,
-    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>,
+    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ModelError>,
 }
 
-impl TensionController for Failing {
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        (self.answer)(self.controller.step(time, inputs)?)
+impl ControllerModel for Failing {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        self.controller.start(inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        (self.answer)(self.controller.step(time, h, inputs)?)
     }
 }
 
-fn go_wrong(
-    bench: &mut Bench,
-    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>,
-) {
+fn go_wrong(bench: &mut Bench, answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ModelError>) {
     let controller = LibraryController::new(ControllerParameters::default());
     bench.controller = Box::new(Failing { controller, answer });
 }

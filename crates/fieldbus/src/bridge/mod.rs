@@ -28,10 +28,10 @@ use super::Nanoseconds;
 use super::canopen::{Emergency, NmtState, Node, SdoResponse, TPDO1};
 use super::cia402::DriveState;
 use super::config::Config;
-use super::controller::TensionController;
 use super::frame::{Frame, FrameKind, error_class};
 use cable_robot::plan::ControllerOutputs;
 use cable_robot::robot::{PerCable, Pose};
+use cable_robot::sim::ControllerModel;
 
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -271,7 +271,7 @@ impl Bridge {
     pub fn cycle(
         &mut self,
         now: Nanoseconds,
-        controller: &mut dyn TensionController,
+        controller: &mut dyn ControllerModel,
         out: &mut FrameQueue,
     ) -> CycleReport {
         out.clear();

@@ -1,10 +1,10 @@
 //! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
 
 use super::{Bridge, Fault, Mode};
-use crate::TensionController;
 use crate::cia402::DriveState;
 use cable_robot::plan::{ControllerInputs, Status};
 use cable_robot::robot::{PerCable, forward_kinematics};
+use cable_robot::sim::ControllerModel;
 
 impl Bridge {
     /// Encoders and load cells of this cycle.
@@ -107,7 +107,7 @@ impl Bridge {
     }
 
     /// Steps the controller, which only follows until the weight is its own.
-    pub(super) fn ask(&mut self, controller: &mut dyn TensionController) {
+    pub(super) fn ask(&mut self, controller: &mut dyn ControllerModel) {
         let enable = match self.mode {
             Mode::Enabled { since, .. } => self.time.saturating_sub(since) >= self.config.safe.ramp,
             Mode::Shadow { .. } => true,
@@ -124,7 +124,8 @@ impl Bridge {
             goal_pose: if enable { self.goal } else { self.pose },
             enable,
         };
-        let Ok(outputs) = controller.step(self.time as f64 * 1e-9, &inputs) else {
+        let (time, period) = (self.time as f64 * 1e-9, self.config.period as f64 * 1e-9);
+        let Ok(outputs) = controller.step(time, period, &inputs) else {
             return self.raise(Fault::ControllerFailed);
         };
         self.answer = Some(outputs);

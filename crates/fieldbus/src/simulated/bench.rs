@@ -4,12 +4,10 @@ use super::mishap::{Mishap, NotUnderstood};
 use super::{Link, SimulatedRig};
 use crate::bridge::{CycleReport, Event};
 use crate::config::Config;
-use crate::{
-    Bridge, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State, TensionController,
-};
+use crate::{Bridge, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State};
 use cable_robot::plan::{ControllerParameters, PoseSource};
 use cable_robot::robot::{ParameterError, Pose};
-use cable_robot::sim::PlantParameters;
+use cable_robot::sim::{ControllerModel, PlantParameters};
 
 /// Bridge and rig, and an operator who keeps `enable` pressed or not.
 pub struct Bench {
@@ -18,7 +16,7 @@ pub struct Bench {
     /// The rig.
     pub rig: SimulatedRig,
     /// Who computes the tensions.
-    pub controller: Box<dyn TensionController>,
+    pub controller: Box<dyn ControllerModel>,
     /// The wires between them.
     pub link: Link,
     /// Whether the operator keeps enable pressed.

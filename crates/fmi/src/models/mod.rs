@@ -66,7 +66,7 @@ impl Running {
     /// [`FmiError::Plant`] when the motion cannot be integrated.
     pub fn step(&mut self, values: &Values, time: f64, h: f64) -> Result<(), FmiError> {
         match self {
-            Running::Controller(controller) => controller.step(time, &controller::inputs(values)),
+            Running::Controller(controller) => controller.step(time, h, &controller::inputs(values)),
             Running::Plant(plant) => plant.step(&plant::inputs(values), h)?,
         }
         Ok(())

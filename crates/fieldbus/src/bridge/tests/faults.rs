@@ -3,9 +3,9 @@
 use super::*;
 use crate::canopen::NmtCommand;
 use crate::cia402::MAX_TORQUE;
-use crate::controller::ControllerFailure;
 use crate::simulated::{CellFault, LinkFaults, Support};
 use cable_robot::plan::ControllerInputs;
+use cable_robot::sim::{ControllerModel, ModelError};
 
 /// Injects a fault 0.4 s into the move. Returns the fault, in how many cycles the controller's tensions ended, and the bench
 /// a second later, when the safe output must be there.
@@ -220,22 +220,31 @@ fn with_the_cable_cut_the_drives_stop_by_themselves() {
 struct Failing {
     controller: LibraryController,
     good_until: f64,
-    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>,
+    answer: fn(ControllerOutputs) -> Result<ControllerOutputs, ModelError>,
 }
 
-impl TensionController for Failing {
-    fn step(&mut self, time: f64, inputs: &ControllerInputs) -> Result<ControllerOutputs, ControllerFailure> {
-        let outputs = self.controller.step(time, inputs)?;
+impl ControllerModel for Failing {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        self.controller.start(inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        let outputs = self.controller.step(time, h, inputs)?;
         if time < self.good_until { Ok(outputs) } else { (self.answer)(outputs) }
     }
 }
 
 #[test]
 fn what_fails_at_the_controller_ends_in_the_safe_output() {
-    type Answer = fn(ControllerOutputs) -> Result<ControllerOutputs, ControllerFailure>;
+    type Answer = fn(ControllerOutputs) -> Result<ControllerOutputs, ModelError>;
     type Case = (Answer, fn(&Fault) -> bool);
     let cases: [Case; 5] = [
-        (|_| Err(ControllerFailure { reason: "fmi2Error".to_owned() }), |f| *f == Fault::ControllerFailed),
+        (|_| Err("fmi2Error".into()), |f| *f == Fault::ControllerFailed),
         (
             |o| Ok(pulling(o, f64::NAN)),
             |f| matches!(f, Fault::ControllerOutput { cable: 2, tension } if tension.is_nan()),
