@@ -49,6 +49,27 @@ def test_help_says_what_an_example_does(name, tmp_path):
     assert done.returncode == 0 and "--picture" in done.stdout and "tension" in done.stdout.split("options:")[0]
 
 
+def test_without_dask_its_example_says_what_to_install(tmp_path):
+    """It ended in a traceback, --help too."""
+    (tmp_path / "dask").mkdir()
+    (tmp_path / "dask" / "__init__.py").write_text("raise ImportError('no dask here')")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    command = [sys.executable, str(EXAMPLES / "sweep_dask.py")]
+    helped = subprocess.run([*command, "--help"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert helped.returncode == 0 and "--scheduler" in helped.stdout, helped.stderr
+    refused = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert refused.returncode == 2 and "requirements-dask.txt" in refused.stderr, refused.stderr
+
+
+def test_the_examples_requirements_are_those_tested_with():
+    """They asked for sixty packages where three serve."""
+    pinned = (ROOT / "fmpy-tests" / "requirements.txt").read_text().splitlines()
+    for name, count in (("requirements.txt", 3), ("requirements-dask.txt", 1)):
+        lines = (EXAMPLES / name).read_text().splitlines()
+        wanted = [line.replace("[distributed]", "") for line in lines if "==" in line]
+        assert len(wanted) == count and set(wanted) <= set(pinned)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_missing_is_said_before_anything_runs(name, tmp_path):
     for options, expected in ((["--fmus", "nowhere"], "cargo fmu build"), (["--csv", "no/such.csv"], "no/such.csv")):

@@ -10,8 +10,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-from dask.distributed import Client, LocalCluster, as_completed, get_worker
-
 from closed_loop import gain_values, number, options, parser, run, seconds, write_csv
 
 NAMES = ["CableRobotController.fmu", "CableRobotPlant.fmu"]
@@ -19,6 +17,8 @@ NAMES = ["CableRobotController.fmu", "CableRobotPlant.fmu"]
 
 def unpacked(fmus):
     """The folder with the FMUs on a worker, written once there."""
+    from dask.distributed import get_worker
+
     worker = get_worker()
     if not hasattr(worker, "fmus"):
         worker.fmus = tempfile.TemporaryDirectory()
@@ -44,6 +44,8 @@ def case(fmus, lam, eta, step, longest):
 
 def sweep(client, chosen):
     """All cases on the cluster's workers, in the order of the grid."""
+    from dask.distributed import as_completed
+
     client.upload_file(str(Path(__file__).with_name("closed_loop.py")))
     content = {name: (chosen.fmus / name).read_bytes() for name in NAMES}
     fmus = client.scatter(content, broadcast=True)
@@ -62,6 +64,8 @@ def workers(text):
 
 def local_cluster(count):
     """Workers on this machine, which leave Ctrl-C to this program: it ends them, and they need not say so. While they start nobody hears it."""
+    from dask.distributed import LocalCluster
+
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         # One thread a worker: Python lets only one of them work.
@@ -100,6 +104,10 @@ def main():
     arguments.add_argument("--step", type=seconds, default=1e-3, help="communication step, s (default: %(default)s)")
     arguments.add_argument("--longest", type=seconds, default=15.0, help="time for one move, s (default: %(default)s)")
     chosen = options(arguments)
+    try:
+        from dask.distributed import Client
+    except ImportError as error:
+        arguments.error(f"{error}: pip install -r fmpy-tests/examples/requirements-dask.txt")
 
     if chosen.scheduler:
         try:

@@ -6,6 +6,7 @@ use anyhow::Result;
 use cable_robot_fmi::Model;
 use cable_robot_fmi::describe::Version;
 use cable_robot_import::{Fmu, Instance, LogMessage, Status};
+use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::files::write_whole;
 use cable_robot_report::run_folder::{self, FORMAT};
 use cable_robot_report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
@@ -99,8 +100,5 @@ pub fn print(summary: &Summary) {
         Some(time) => println!("at the goal: after {time:.3} s"),
         None => println!("at the goal: not within the run"),
     }
-    match summary.slack {
-        Some((cable, time)) => println!("slack cables: cable {cable}, first at {time:.3} s"),
-        None => println!("slack cables: none"),
-    }
+    println!("slack cables: {}", slack_in_words(&summary.slack));
 }

@@ -2,7 +2,7 @@
 
 use cable_robot::plan::PlannerKind;
 use cable_robot::robot::{Coordinates, Pose};
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// Reads `x,y,z` or `x,y,z,roll,pitch,yaw`.
 pub fn pose(text: &str) -> Result<Pose, String> {
@@ -76,21 +76,9 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(finite).collect()
 }
 
-/// The library's planners by name.
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub enum Planner {
-    /// The paper's reachable domain, Eq. (15)
-    Bounded,
-    /// Any step in all six coordinates that is proved, from any state
-    Exact,
-}
-
-impl Planner {
-    /// What the library calls it.
-    pub fn kind(self) -> PlannerKind {
-        match self {
-            Self::Bounded => PlannerKind::Bounded,
-            Self::Exact => PlannerKind::Exact,
-        }
-    }
+/// Reads the name of a planner.
+pub fn planner() -> impl TypedValueParser<Value = PlannerKind> {
+    let item = |kind: PlannerKind| PossibleValue::new(kind.key()).help(kind.described().1);
+    PossibleValuesParser::new(PlannerKind::ALL.map(item))
+        .try_map(|key| PlannerKind::named(&key).ok_or_else(|| format!("{key:?} is no planner")))
 }

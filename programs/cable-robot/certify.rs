@@ -2,8 +2,9 @@
 
 use anyhow::Result;
 use cable_robot::control::Gains;
+use cable_robot::plan::extremes::{TensionAt, extremes_from};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
-use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose};
+use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose, Rig};
 use clap::Args;
 use serde_json::json;
 
@@ -22,13 +23,13 @@ Exit code 3: not proved. The certificate never says \"admissible\" of a step tha
 pub struct Certify {
     #[command(flatten)]
     rig: RigArgument,
-    /// x,y,z[,roll,pitch,yaw] when the set point is given, m and rad
+    /// x,y,z[,roll,pitch,yaw] when the set point is given, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll)
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     from: Pose,
     /// Rates of the six coordinates then, m/s and rad/s
     #[arg(long, value_parser = rates, allow_hyphen_values = true, default_value = "0,0,0,0,0,0")]
     rates: Coordinates,
-    /// x,y,z[,roll,pitch,yaw] of the set point, m and rad
+    /// x,y,z[,roll,pitch,yaw] of the set point, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll)
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Pose,
     /// Relative error of mass and moments of inertia
@@ -62,7 +63,7 @@ impl Certify {
         let file = self.rig.read()?;
         let gains = Gains { lambda: file.lambda, eta: file.eta };
         let step = Step { start: self.from, rates: self.rates, set_point: self.to, gains };
-        let verdict = certify_with_margins(&file.rig, &step, &self.margins())?;
+        let verdict = earliest(&file.rig, &step, certify_with_margins(&file.rig, &step, &self.margins())?);
         if self.json {
             self.show_json(&verdict)?
         } else {
@@ -129,6 +130,16 @@ impl Certify {
                 json!({"verdict": "undecided", "time": time, "resolution": resolution, "cause": format!("{cause:?}")})
             }
         })
+    }
+}
+
+/// A proof that a limit is broken may be of a late instant. If it is broken before, the first instant seen of that.
+fn earliest(rig: &Rig, step: &Step, verdict: Verdict) -> Verdict {
+    let Verdict::NotAdmissible { time, .. } = verdict else { return verdict };
+    let seen = extremes_from(rig, &step.gains, (&step.start, &step.rates), &step.set_point);
+    match seen.and_then(|seen| seen.first_outside).filter(|first| first.time < time) {
+        Some(TensionAt { cable, tension, time, .. }) => Verdict::NotAdmissible { cable, time, tension },
+        None => verdict,
     }
 }
 

@@ -21,18 +21,17 @@ use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use anyhow::Context;
+use cable_robot_programs::errors;
 use clap::{Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
-Frame: origin at the centre of the base plane, z down; metres, radians, newtons.
-Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable or step not proved, \
-130 interrupted.";
+Frame: that of the rig file; the paper's rig has its origin at the centre of the base plane, z down. Metres, radians, newtons;
+orientations are R = Rz(yaw) Ry(pitch) Rx(roll).
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable, step not proved \
+or workspace empty, 4 a cable went slack, 130 interrupted.";
 
 /// Exit code after Ctrl-C, as shells have it.
 const INTERRUPTED: u8 = 130;
-
-/// Longest line of an error, characters.
-const LONGEST_LINE: usize = 500;
 
 /// Cable robot that never lets a cable go slack: static workspace, reachable domains, plans, simulations
 #[derive(Parser)]
@@ -87,6 +86,7 @@ enum Task {
 enum Outcome {
     Done,
     NotReachable,
+    Slack,
     Interrupted,
 }
 
@@ -108,22 +108,14 @@ fn main() -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::NotReachable) => ExitCode::from(3),
+        Ok(Outcome::Slack) => ExitCode::from(4),
         Ok(Outcome::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            say(format_args!("cable-robot: {}", with_short_lines(&format!("{error:#}"))));
+            say(errors::in_words("cable-robot", &error));
             ExitCode::FAILURE
         }
     }
-}
-
-/// Without the rest of lines that nobody reads: TOML's errors show the line of the file, which may be all of it.
-fn with_short_lines(text: &str) -> String {
-    let short = |line: &str| match line.char_indices().nth(LONGEST_LINE) {
-        Some((end, _)) => format!("{}...", line[..end].trim_end()),
-        None => line.to_owned(),
-    };
-    text.lines().map(short).collect::<Vec<_>>().join("\n")
 }
 
 /// Whoever reads has seen enough.

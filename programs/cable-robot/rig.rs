@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use cable_robot::control::{barrier, static_margin, static_tensions};
+use cable_robot::plan::planner::{FAR, Planner};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{ParameterError, Pose, Rig, RigFile, TensionLimits};
 use cable_robot_report::files::read_text;
@@ -12,7 +13,7 @@ use clap::{Args, ValueHint};
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::number;
+use crate::{metres, number};
 
 #[derive(Args)]
 pub struct RigArgument {
@@ -110,6 +111,11 @@ pub fn require_rest(parameters: &ControllerParameters, name: &str, from: &Pose) 
     let rig = &parameters.rig;
     require_below(rig, name, from)?;
     let place = from.0.iter().map(|c| number(*c)).collect::<Vec<_>>().join(", ");
+    ensure!(
+        Planner::from(*parameters).is_near(from),
+        "{name} ({place}) is farther than {} m ({FAR} radii of the rig) from the anchors, where nothing is looked for",
+        metres(FAR * rig.radius()).trim()
+    );
     ensure!(
         static_margin(&rig.with_limits(TensionLimits::default()), from) > 0.0,
         "{name} ({place}) lies outside the static workspace: a cable is slack there, so there is no rest to start from"

@@ -23,7 +23,7 @@ Exit code 3: no tensions within the limits give what the pose and the motion ask
 pub struct Tensions {
     #[command(flatten)]
     rig: RigArgument,
-    /// x,y,z[,roll,pitch,yaw] of the centre of mass, m and rad; without it the rig's home
+    /// x,y,z[,roll,pitch,yaw] of the centre of mass, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll); without it the rig's home
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     pose: Option<Pose>,
     /// Rates of the six coordinates, m/s and rad/s

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use cable_robot::reach::Slice;
 use cable_robot::reach::static_region::{Grid, corners};
-use cable_robot::robot::RigFile;
+use cable_robot::robot::{Pose, RigFile};
 use cable_robot_report::facts::limits;
 use cable_robot_report::files::{probe, write_whole};
 use clap::Args;
@@ -21,7 +21,8 @@ use crate::{Outcome, metres, number, picture, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot workspace --height 0.7 --svg workspace.svg
-With a rig file, here one that comes with the project: cable-robot workspace --rig rigs/eight.toml --height 2";
+With a rig file, here one that comes with the project: cable-robot workspace --rig rigs/eight.toml --height 2
+Exit code 3: the cables hold the platform nowhere at that height and orientation.";
 
 /// Points of the grid along x and along y.
 const GRID: usize = 61;
@@ -42,7 +43,7 @@ pub struct Workspace {
     /// z of the centre of mass, m; without it that of the rig's home
     #[arg(long, value_parser = finite, allow_hyphen_values = true)]
     height: Option<f64>,
-    /// roll,pitch,yaw in rad
+    /// roll,pitch,yaw in rad, R = Rz(yaw) Ry(pitch) Rx(roll)
     #[arg(long, value_parser = angles, default_value = "0,0,0", allow_hyphen_values = true)]
     orientation: [f64; 3],
     /// Prints numbers for machines instead of the picture
@@ -93,7 +94,8 @@ impl Workspace {
         } else {
             print(&as_text(&file.name, &slice, found.as_ref()))?;
         }
-        if let Some(found) = found.filter(|found| found.unseen > WORTH_SAYING) {
+        let Some(found) = found else { return Ok(Outcome::NotReachable) };
+        if found.unseen > WORTH_SAYING {
             crate::say(format_args!(
                 "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
                 100.0 * found.unseen
@@ -152,7 +154,14 @@ fn as_text(name: &str, slice: &Slice, found: Option<&Found>) -> String {
     let mut text = format!("{name}: {} cables, {} kg", rig.cables.len(), number(rig.mass));
     let _ = writeln!(text, ", tensions {}", limits(rig));
     let Some(found) = found else {
-        let _ = writeln!(text, "z = {height} m: empty, the cables cannot hold the platform anywhere");
+        let at_height = Pose::at(0.0, 0.0, slice.height);
+        let why = match rig.can_be_at(&at_height) {
+            false => "empty, no anchor is above the platform".to_owned(),
+            true => format!(
+                "nothing found, the cables hold the platform at none of {GRID} x {GRID} points, nor at home"
+            ),
+        };
+        let _ = writeln!(text, "z = {height} m: {why}");
         return text;
     };
     let (deepest, margin) = found.deepest;

@@ -1,4 +1,4 @@
-//! `rig-sim`: six drives, six load cells and the platform on a CAN bus, so that `can-bridge` can be tried without hardware.
+//! `rig-sim`: drives, load cells and the platform on a CAN bus, so that `can-bridge` can be tried without hardware.
 
 #[cfg(target_os = "linux")]
 mod port;
@@ -14,7 +14,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Whoever read it may be gone.
-            let _ = writeln!(std::io::stderr(), "rig-sim: {error:#}");
+            let said = cable_robot_programs::errors::in_words("rig-sim", &error);
+            let _ = writeln!(std::io::stderr(), "{said}");
             ExitCode::FAILURE
         }
     }

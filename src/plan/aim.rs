@@ -65,7 +65,7 @@ impl Search {
         self.stage == Stage::Ended
     }
 
-    fn ended(goal: &Pose, at: &Pose) -> Self {
+    pub(super) fn ended(goal: &Pose, at: &Pose) -> Self {
         Self { goal: *goal, at: *at, target: *goal, free: 0, stage: Stage::Ended }
     }
 }
@@ -75,7 +75,7 @@ impl Planner {
     /// margin that it keeps on the way, so that it is not caught on the edge. For a goal of the paper's robot with zero orientation the
     /// nearest one at the goal's height, if there is any; for others the nearest one found from the last one on the straight way from
     /// `from`, with zero orientation if both have that. A goal beyond the anchors, or lower than anything, is not made for.
-    pub(super) fn search(&self, from: &Pose, goal: &Pose) -> Search {
+    pub(super) fn nearest_rest(&self, from: &Pose, goal: &Pose) -> Search {
         if self.rests_at(goal, self.allowance()) {
             return Search::ended(goal, goal);
         }
@@ -116,8 +116,8 @@ impl Planner {
         Some(Search { goal: *goal, at: middle, target, free, stage: on_the_way(&middle, &aim) })
     }
 
-    /// The whole search at once: where `Exact` makes for from rest at `from`.
-    pub fn exact_aim(&self, from: &Pose, goal: &Pose) -> Pose {
+    /// The whole search at once: where the planner makes for from rest at `from`.
+    pub fn aim(&self, from: &Pose, goal: &Pose) -> Pose {
         let mut search = self.search(from, goal);
         while !search.has_ended() {
             self.advance(&mut search, WORK);
@@ -260,7 +260,7 @@ mod tests {
             (15.0, Pose::at(3.0, 2.0, 0.9)),
         ] {
             let planner = planner(max);
-            let aim = planner.exact_aim(&Pose::default(), &goal);
+            let aim = planner.aim(&Pose::default(), &goal);
             let kept = 2.0 * planner.allowance();
             assert!(planner.rests_at(&aim, kept), "{aim:?}");
             let mut nearest = f64::INFINITY;
@@ -306,7 +306,7 @@ mod tests {
             turned(-0.104, -0.22247706, 0.3, -0.0099, -0.0099, -0.0099),
         ] {
             let planner = planner(100.0);
-            is_nearest(&planner, &planner.exact_aim(&Pose::default(), &goal), &goal, 6, 2e-4);
+            is_nearest(&planner, &planner.aim(&Pose::default(), &goal), &goal, 6, 2e-4);
         }
     }
 
@@ -315,11 +315,11 @@ mod tests {
         let file = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
         let planner = Planner::from(ControllerParameters::of(&file.rig));
         for goal in [Pose::at(2.5, 0.3, 2.0), Pose::at(0.0, 2.0, 1.0), Pose::at(-3.0, -2.0, 1.6)] {
-            let aim = planner.exact_aim(&file.home, &goal);
+            let aim = planner.aim(&file.home, &goal);
             assert!(is_upright(&aim), "{aim:?}");
             is_nearest(&planner, &aim, &goal, 3, 2e-3);
         }
         let goal = turned(1.0, 0.5, 2.0, 0.2, 0.9, -0.4);
-        is_nearest(&planner, &planner.exact_aim(&file.home, &goal), &goal, 6, 5e-3);
+        is_nearest(&planner, &planner.aim(&file.home, &goal), &goal, 6, 5e-3);
     }
 }

@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::aim::{Search, WORK};
 use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
-use super::interface::{
-    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Status,
-};
+use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use crate::control::{Estimator, ForceLoop, lyapunov, static_tensions};
@@ -241,15 +239,11 @@ impl Controller {
         self.predict();
     }
 
-    /// The goal, or the one before if it differs by so little that no step is worth it. For `Exact` and a goal that is not reachable the
-    /// aim is what comes nearest; the search for it takes a few steps, in which the robot goes on as before.
+    /// The goal, or the one before if it differs by so little that no step is worth it. The search for where the planner makes for takes a
+    /// few steps, in which the robot goes on as before.
     fn take_goal(&mut self, goal: &Pose) -> Pose {
         let known = self.search.map(|search| search.goal).or(self.aimed_for);
         let goal = known.filter(|known| !self.planner.is_worth_it(known, goal)).unwrap_or(*goal);
-        if self.planner.parameters.planner == PlannerKind::Bounded {
-            self.aim = goal;
-            return goal;
-        }
         if known != Some(goal) {
             let mut search = self.planner.search(&self.outputs.set_point, &goal);
             self.planner.advance(&mut search, WORK);

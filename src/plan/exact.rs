@@ -162,7 +162,7 @@ mod tests {
             assert!(!planner.is_reachable(&start, &goal), "{goal:?}");
         }
         // Tensions vanish at π/3; here 0.2 N are left.
-        let aim = planner.exact_aim(&start, &yaw(1.1));
+        let aim = planner.aim(&start, &yaw(1.1));
         let kept = 2.0 * planner.allowance();
         assert!(planner.rests_at(&aim, kept) && !planner.rests_at(&yaw(aim.0[5] + 1e-9), kept), "{aim:?}");
     }

@@ -33,10 +33,19 @@ pub struct Extremes {
 /// The extremes of the step from rest at `from` to the set point `to`, along (12), (13) in all six coordinates; `None` if it meets a
 /// singular pose. A breach shorter than 1/2000 of its time after the start may be missed.
 pub fn extremes(rig: &Rig, gains: &Gains, from: &Pose, to: &Pose) -> Option<Extremes> {
+    extremes_from(rig, gains, (from, &Coordinates::zeros()), to)
+}
+
+/// The same from a motion, pose and rates (m/s, rad/s).
+pub fn extremes_from(
+    rig: &Rig,
+    gains: &Gains,
+    (from, rates): (&Pose, &Coordinates),
+    to: &Pose,
+) -> Option<Extremes> {
     let mut found: Option<Extremes> = None;
     for time in response::instants(response::time_to_rest(gains), INSTANTS) {
-        let (pose, rates, acceleration) =
-            Response::at(gains, time).motion_of(from, &Coordinates::zeros(), to);
+        let (pose, rates, acceleration) = Response::at(gains, time).motion_of(from, rates, to);
         let tension = tensions(rig, &pose, &rates, &acceleration, 0.0)?;
         for (i, tension) in tension.into_iter().enumerate() {
             let here = TensionAt { cable: i + 1, tension, time, pose };

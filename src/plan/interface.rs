@@ -16,6 +16,51 @@ pub enum PlannerKind {
     Exact = 2,
 }
 
+impl PlannerKind {
+    /// All there are, in the order of their numbers. The first is of the paper's rig only, the others of any.
+    pub const ALL: [Self; 2] = [Self::Bounded, Self::Exact];
+
+    /// Its name, and what it is, for people.
+    pub const fn described(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Bounded => ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest"),
+            Self::Exact => (
+                "Exact",
+                "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
+            ),
+        }
+    }
+
+    /// The [`PlannerKind::key`] of each.
+    pub const KEYS: [&'static str; Self::ALL.len()] = {
+        let mut keys = [""; Self::ALL.len()];
+        let mut k = 0;
+        while k < keys.len() {
+            keys[k] = Self::ALL[k].key();
+            k += 1;
+        }
+        keys
+    };
+
+    /// The one with this number.
+    pub fn numbered(number: i32) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| *kind as i32 == number)
+    }
+
+    /// Its name in files and on the command line.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Bounded => "bounded",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// The one with this [`PlannerKind::key`].
+    pub fn named(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.key() == key)
+    }
+}
+
 /// Where the measured pose comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PoseSource {

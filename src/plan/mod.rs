@@ -14,6 +14,8 @@ pub mod linear_program;
 pub mod nearest;
 pub mod planner;
 pub mod prediction;
+#[cfg(feature = "clarabel")]
+pub mod sequence;
 mod tangents;
 
 pub use controller::Controller;

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::aim::Search;
 use super::exact::MOST_SPANS;
 use super::interface::{ControllerParameters, PlannerKind, Rest, size};
 use crate::control::static_margin;
@@ -110,6 +111,14 @@ impl Planner {
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
+        }
+    }
+
+    /// Begins the search for where the planner makes for: `Bounded` for the goal itself.
+    pub(super) fn search(&self, from: &Pose, goal: &Pose) -> Search {
+        match self.parameters.planner {
+            PlannerKind::Bounded => Search::ended(goal, goal),
+            PlannerKind::Exact => self.nearest_rest(from, goal),
         }
     }
 

@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
 use crate::control::static_margin;
-use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
+use crate::plan::{ControllerParameters, PoseSource};
 use crate::robot::rig_file::without_null;
 use crate::robot::{Coordinates, ParameterError, Pose, Rig, TensionLimits};
 
@@ -98,7 +98,7 @@ impl ScenarioFile {
             controller,
             plant,
             goals: self.goals(&controller.rig, ((duration - step) / ROUNDING).round() * ROUNDING)?,
-            disturbances: self.disturbances()?,
+            disturbances: self.disturbances(duration)?,
             duration,
             step,
         })
@@ -106,10 +106,6 @@ impl ScenarioFile {
 
     fn controller(&self, base: ControllerParameters) -> ControllerParameters {
         let given = &self.file.controller;
-        let planner = given.planner.map(|planner| match planner {
-            fields::Planner::Bounded => PlannerKind::Bounded,
-            fields::Planner::Exact => PlannerKind::Exact,
-        });
         let pose_source = given.pose_source.map(|source| match source {
             fields::PoseSource::EncoderPose => PoseSource::EncoderPose,
             fields::PoseSource::CableLengths => PoseSource::CableLengths,
@@ -125,7 +121,7 @@ impl ScenarioFile {
             eta: or(&given.eta, base.eta),
             planner_period: or(&given.planner_period, base.planner_period),
             bisection_steps: or(&given.bisection_steps, base.bisection_steps),
-            planner: planner.unwrap_or(base.planner),
+            planner: given.planner.unwrap_or(base.planner),
             pose_source: pose_source.unwrap_or(base.pose_source),
             force_loop: given.force_loop.unwrap_or(base.force_loop),
             ..base
@@ -186,13 +182,15 @@ impl ScenarioFile {
         Ok(goals)
     }
 
-    fn disturbances(&self) -> Result<Vec<Disturbance>, ScenarioFileError> {
+    fn disturbances(&self, duration: f64) -> Result<Vec<Disturbance>, ScenarioFileError> {
         let mut disturbances = vec![];
         for (i, table) in self.file.disturbances.iter().enumerate() {
             let field = |name: &str| format!("disturbances[{}].{name}", i + 1);
             let from = *table.from.get_ref();
             let ok = from.is_finite() && from >= 0.0;
             self.require(ok, &table.from, &field("from"), from, "must be finite and 0 or greater (s)")?;
+            let allowed = format!("the run ends at duration = {duration} (s): must be less");
+            self.require(from < duration, &table.from, &field("from"), from, &allowed)?;
             let until = or(&table.until, f64::INFINITY);
             if let Some(given) = &table.until {
                 let allowed =

@@ -1,9 +1,9 @@
 //! The report's facts: what was run and with what, and what came of it, in words.
 
-use super::Summary;
 use super::history::History;
 use super::run_folder::Model;
-use cable_robot::plan::{PlannerKind, PoseSource};
+use super::{Slack, Summary};
+use cable_robot::plan::PoseSource;
 use cable_robot::robot::{Pose, Rig};
 
 /// More goals than these are counted only.
@@ -14,10 +14,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
     let info = history.info;
     let (controller, plant) = (&info.controller_parameters, &info.plant_parameters);
     let gains = controller.gains();
-    let planner = match controller.planner {
-        PlannerKind::Bounded => "reachable domain (15)",
-        PlannerKind::Exact => "exact domain",
-    };
+    let (planner, _) = controller.planner.described();
     let source = match controller.pose_source {
         PoseSource::EncoderPose => "the encoders' pose",
         PoseSource::CableLengths => "the cable lengths",
@@ -77,7 +74,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
     facts.extend(goals(history));
     facts.extend([
         ("Smallest tension", smallest),
-        ("Slack cables", slack(history)),
+        ("Slack cables", slack_in_words(&summary.slack)),
         (from, format!("{:.4} m", missed.fixed_rows::<3>(0).norm())),
     ]);
     facts
@@ -154,15 +151,7 @@ fn pose(pose: &Pose) -> String {
 }
 
 /// Each slack cable with its first time and for how long.
-fn slack(history: &History) -> String {
-    let times = &history.run.times;
-    let of = |i: usize| {
-        let column = &history.run.slack[i];
-        let first = column.iter().position(|value| *value != 0.0)?;
-        let total: f64 =
-            (1..times.len()).filter(|k| column[*k] != 0.0).map(|k| times[k] - times[k - 1]).sum();
-        Some(format!("cable {} from {:.3} s, {total:.3} s in all", i + 1, times[first]))
-    };
-    let cables: Vec<_> = (0..history.run.slack.len()).filter_map(of).collect();
+pub fn slack_in_words(slack: &[Slack]) -> String {
+    let cables: Vec<_> = slack.iter().map(Slack::to_string).collect();
     if cables.is_empty() { "none".to_owned() } else { cables.join("; ") }
 }

@@ -19,7 +19,7 @@ mod thinning;
 pub use closed_loop::ClosedLoop;
 pub use page::html;
 pub use recording::Recording;
-pub use run::{Run, SetPoint, SmallestTension, Summary};
+pub use run::{Run, SetPoint, Slack, SmallestTension, Summary};
 pub use run_folder::{RunFolder, RunFolderError, RunInfo};
 pub use table::{Table, TableError};
 

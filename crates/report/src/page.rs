@@ -89,9 +89,10 @@ fn verdict(history: &History, summary: &Summary) -> String {
     if let Some(smallest) = summary.smallest_tension {
         list += &item(smallest.value <= 0.0, "smallest tension", &smallest);
     }
-    list += &match summary.slack {
-        Some((cable, time)) => item(true, "slack", &format!("cable {cable}, first at {time:.3} s")),
-        None => item(false, "slack cables", &"none"),
+    let slack: Vec<_> = summary.slack.iter().map(|slack| slack.cable.to_string()).collect();
+    list += &match slack.as_slice() {
+        [] => item(false, "slack cables", &"none"),
+        slack => item(true, "slack cables", &slack.join(", ")),
     };
     let steps = history.set_point_rows().len() - 1;
     list += &item(false, "set points", &steps);

@@ -58,21 +58,47 @@ pub struct Summary {
     pub smallest_tension: Option<SmallestTension>,
     /// When the robot first rested at the goal, s.
     pub time_to_goal: Option<f64>,
-    /// The first cable to go slack, from 1, and when.
-    pub slack: Option<(usize, f64)>,
+    /// Every cable that was slack, in the order of the cable numbers.
+    pub slack: Vec<Slack>,
+}
+
+/// A cable that was slack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slack {
+    /// Its number, from 1.
+    pub cable: usize,
+    /// When it went slack for the first time, s.
+    pub first: f64,
+    /// For how long it was slack in all, s.
+    pub duration: f64,
+}
+
+impl fmt::Display for Slack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { cable, first, duration } = self;
+        write!(f, "cable {cable} from {first:.3} s, {duration:.3} s in all")
+    }
 }
 
 impl Run {
     /// Reads the results off the columns.
     pub fn summary(&self) -> Summary {
         let first = |column: &[f64]| column.iter().position(|value| *value != 0.0).map(|row| self.times[row]);
-        let slack = (0..self.slack.len()).filter_map(|i| Some((i + 1, first(&self.slack[i])?)));
         Summary {
             set_points: self.set_points(),
             smallest_tension: self.smallest_tension(),
             time_to_goal: first(&self.at_goal),
-            slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
+            slack: (0..self.slack.len()).filter_map(|i| self.slack_of(i)).collect(),
         }
+    }
+
+    /// Of a cable, from 0. A row speaks of the time since the one before.
+    fn slack_of(&self, i: usize) -> Option<Slack> {
+        let (times, column) = (&self.times, &self.slack[i]);
+        let first = column.iter().position(|value| *value != 0.0)?;
+        let is_slack = |row: &usize| column[*row] != 0.0;
+        let duration = (1..times.len()).filter(is_slack).map(|row| times[row] - times[row - 1]).sum();
+        Some(Slack { cable: i + 1, first: times[first], duration })
     }
 
     fn set_points(&self) -> Vec<SetPoint> {
@@ -89,7 +115,7 @@ impl Run {
             let samples = self.tension[i].iter().zip(&self.times);
             samples.map(move |(value, time)| SmallestTension { value: *value, cable: i + 1, time: *time })
         };
-        // Of equals, as of slack cables, the first.
+        // Of equals the first.
         let order = |a: &SmallestTension, b: &SmallestTension| {
             a.value.total_cmp(&b.value).then(a.time.total_cmp(&b.time))
         };
@@ -126,15 +152,17 @@ mod tests {
         assert_eq!(summary.set_points, expected.map(|(time, position)| SetPoint { time, position }));
         let smallest = summary.smallest_tension.expect("samples");
         assert_eq!((smallest.cable, smallest.time), (5, 0.7));
-        assert_eq!((summary.time_to_goal, summary.slack), (Some(0.901), None));
+        assert_eq!((summary.time_to_goal, summary.slack), (Some(0.901), vec![]));
     }
 
     #[test]
-    fn summary_names_the_first_slack_cable() {
+    fn summary_names_every_slack_cable() {
         let mut run = run(1_000);
         run.slack[1][600] = 1.0;
         run.slack[3][400] = 1.0;
-        assert_eq!(run.summary().slack, Some((4, 0.4)));
+        let slack = run.summary().slack;
+        assert_eq!(slack.iter().map(|s| (s.cable, s.first)).collect::<Vec<_>>(), [(2, 0.6), (4, 0.4)]);
+        assert!((slack[0].duration - 1e-3).abs() < 1e-12, "{slack:?}");
         (run.tension[1][600], run.tension[3][400]) = (0.0, 0.0);
         let smallest = run.summary().smallest_tension.unwrap();
         assert_eq!((smallest.cable, smallest.time), (4, 0.4));
@@ -142,7 +170,8 @@ mod tests {
 
     #[test]
     fn an_empty_run_has_no_results() {
-        let nothing = Summary { set_points: vec![], smallest_tension: None, time_to_goal: None, slack: None };
+        let nothing =
+            Summary { set_points: vec![], smallest_tension: None, time_to_goal: None, slack: vec![] };
         assert_eq!(Run::default().summary(), nothing);
     }
 }

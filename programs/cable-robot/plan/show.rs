@@ -5,16 +5,17 @@ use std::fmt::Write;
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::PlannerKind;
 use cable_robot::plan::extremes::{Extremes, TensionAt};
-use cable_robot::plan::planner::{FAR, Planner as SetPoints, STEEPEST};
+use cable_robot::plan::planner::{FAR, Planner, STEEPEST};
+use cable_robot::plan::sequence::{MOST_SET_POINTS, Obstacle, Sequence};
 use cable_robot::robot::Pose;
 use cable_robot::robot::pose::PITCH;
 use cable_robot_report::facts::limits;
 use serde_json::{Value, json};
 
-use super::{Barrier, MOST_SET_POINTS, Obstacle, Plan, Planned};
-use crate::{metres, number};
+use super::Plan;
+use crate::metres;
 
-pub fn as_text(plan: &Plan, planned: &Planned, parameters: &ControllerParameters) -> String {
+pub fn as_text(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> String {
     let mut text = set_points(plan, planned);
     if let Some((step, u)) = planned.smallest {
         let _ = writeln!(text, "smallest tension: {} in step {step}", described(&u));
@@ -38,7 +39,7 @@ pub fn as_text(plan: &Plan, planned: &Planned, parameters: &ControllerParameters
 }
 
 /// The table of the set points; angles only where there are any.
-fn set_points(plan: &Plan, planned: &Planned) -> String {
+fn set_points(plan: &Plan, planned: &Sequence) -> String {
     let points = || std::iter::once(&plan.from).chain(&planned.set_points);
     let turned = points().any(|point| point.0.fixed_rows::<3>(3).amax() > 0.0);
     let mut text = String::from("set points\n  i      x (m)     y (m)     z (m)");
@@ -57,8 +58,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         *text +=
             "  at the goal the wrench matrix is singular: there is a force or torque that no tensions give\n";
     }
-    if plan.is_turned() && parameters.planner == PlannerKind::Bounded {
-        *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
+    let is_level = (plan.to.0[2] - plan.from.0[2]).abs() <= parameters.rest().position;
+    let is_of_bounded = parameters.planner == PlannerKind::Bounded && (plan.is_turned() || !is_level);
+    if is_of_bounded {
+        if plan.is_turned() {
+            *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
+        }
+        if !is_level {
+            *text += "  it is at another height: planner bounded keeps the height of the start, planner exact does not\n";
+        }
     }
     let is_steep = plan.to.0[PITCH].abs() >= STEEPEST;
     if is_steep {
@@ -67,11 +75,12 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             "  it is pitched by {STEEPEST} rad or more, where the angles hardly tell the orientation"
         );
     }
-    if !SetPoints::from(*parameters).is_near(&plan.to) {
-        let far = number(FAR * parameters.rig.radius());
+    if !Planner::from(*parameters).is_near(&plan.to) {
+        let far = metres(FAR * parameters.rig.radius());
         let _ = writeln!(
             text,
-            "  it is farther than {far} m ({FAR} radii of the rig) from the anchors, where nothing is looked for"
+            "  it is farther than {} m ({FAR} radii of the rig) from the anchors, where nothing is looked for",
+            far.trim()
         );
     }
     match &obstacle.broken {
@@ -88,17 +97,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
             }
         }
-        _ if obstacle.barrier.is_some() || is_steep => {}
+        _ if obstacle.barrier.is_some() || is_steep || is_of_bounded => {}
         _ => {
             let why = match parameters.planner {
-                PlannerKind::Bounded => {
-                    "it plans at one height and with zero orientation, and every tension at rest keeps 0.17 % of the weight from its limits"
-                }
+                PlannerKind::Bounded => "every tension at rest keeps 0.17 % of the weight from its limits",
                 PlannerKind::Exact => {
                     "every tension keeps 0.17 % of the weight from its limits, and more on quick steps"
                 }
             };
-            let _ = writeln!(text, "  planner {:?} has no step to it: {why}", parameters.planner);
+            let _ = writeln!(text, "  planner {} has no step to it: {why}", parameters.planner.key());
         }
     }
     match &obstacle.nearest {
@@ -111,7 +118,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             let _ = writeln!(text, "  no other point can be had from there in {MOST_SET_POINTS} set points");
         }
     }
-    if let Some(Barrier { limit, at }) = &obstacle.barrier {
+    if let Some((limit, at)) = &obstacle.barrier {
         let breach = match (limit.is_greatest, limit.limit) {
             (true, limit) => format!("above {limit} N"),
             (false, 0.0) => "slack".to_owned(),
@@ -119,12 +126,12 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         };
         let cable = limit.cable;
         let _ = writeln!(text, "  held back by cable {cable}, at rest {breach} from {} on", place_of(at));
-    } else if obstacle.broken.is_some() {
+    } else if obstacle.broken.is_some() && obstacle.is_tight {
         *text += "  at rest no limit is broken between there and the goal, but less than the planner keeps, 0.17 % of the weight, is left\n";
     }
 }
 
-pub fn as_json(plan: &Plan, planned: &Planned, parameters: &ControllerParameters) -> Value {
+pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> Value {
     let pose = |pose: &Pose| pose.0.as_slice().to_vec();
     let tension = |u: &TensionAt| json!({ "cable": u.cable, "tension": u.tension, "time": u.time, "pose": pose(&u.pose) });
     let smallest = planned.smallest.map(|(step, u)| json!({ "step": step, "at": tension(&u) }));
@@ -138,10 +145,10 @@ pub fn as_json(plan: &Plan, planned: &Planned, parameters: &ControllerParameters
                 "pose": pose(&nearest),
                 "distance": distance(plan, parameters, &nearest),
             })),
-            "barrier": obstacle.barrier.as_ref().map(|barrier| json!({
-                "cable": barrier.limit.cable,
-                "limit": barrier.limit.limit,
-                "pose": pose(&barrier.at),
+            "barrier": obstacle.barrier.map(|(limit, at)| json!({
+                "cable": limit.cable,
+                "limit": limit.limit,
+                "pose": pose(&at),
             })),
         })
     });
@@ -157,7 +164,7 @@ pub fn as_json(plan: &Plan, planned: &Planned, parameters: &ControllerParameters
 
 /// From a pose to the goal, m.
 fn distance(plan: &Plan, parameters: &ControllerParameters, pose: &Pose) -> f64 {
-    SetPoints::from(*parameters).distance(pose, &plan.to)
+    Planner::from(*parameters).distance(pose, &plan.to)
 }
 
 fn described(u: &TensionAt) -> String {

@@ -9,7 +9,7 @@ use std::io::{IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, bail, ensure};
-use cable_robot::plan::Status;
+use cable_robot::plan::{PlannerKind, Status};
 use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::closed_loop::{library_controller, library_plant};
 use cable_robot::sim::scenario::count_steps;
@@ -25,16 +25,16 @@ use clap::{Args, Command, ValueHint};
 
 use self::interruption::Interruption;
 use self::summary::Summary;
-use crate::arguments::{Planner, pose, seconds};
+use crate::arguments::{planner, pose, seconds};
 use crate::progress::Progress;
 use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, is_closed_pipe, print, print_json, say};
+use crate::{Outcome, is_closed_pipe, number, print, print_json, say};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
          cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
 Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
-GoalUnreachable or SensorFault, 130 interrupted; what was recorded until then is written.";
+GoalUnreachable or SensorFault, 4 a cable went slack, 130 interrupted; what was recorded until then is written.";
 
 #[derive(Args)]
 pub struct Simulate {
@@ -50,10 +50,10 @@ pub struct Simulate {
     list: bool,
     #[command(flatten)]
     rig: RigArgument,
-    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad; without it the rig's home
+    /// x,y,z[,roll,pitch,yaw] of the start, at rest, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll); without it the rig's home
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     from: Option<Pose>,
-    /// x,y,z[,roll,pitch,yaw] of the goal, m and rad: a scenario of one goal, without a file
+    /// x,y,z[,roll,pitch,yaw] of the goal, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll): a scenario of one goal, without a file
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Option<Pose>,
     /// Simulated time, s
@@ -63,8 +63,8 @@ pub struct Simulate {
     #[arg(long, value_parser = seconds, default_value = "0.001", allow_negative_numbers = true)]
     step: f64,
     /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
-    #[arg(long, value_enum)]
-    planner: Option<Planner>,
+    #[arg(long, value_parser = planner())]
+    planner: Option<PlannerKind>,
     /// A controller or plant (FMI 2.0 or 3.0 co-simulation) in place of ours; may be given twice
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     fmu: Vec<PathBuf>,
@@ -119,12 +119,13 @@ impl Simulate {
             return Ok(Outcome::Interrupted);
         }
         written?;
-        let status = self.tell(&scenario, &recorded)?;
+        let (status, is_slack) = self.tell(&scenario, &recorded)?;
         Ok(match (end?, status) {
             (End::Interrupted, _) => {
-                say(format_args!("interrupted: {:?} s were to be simulated", scenario.duration));
+                say(format_args!("interrupted: {} s were to be simulated", number(scenario.duration)));
                 Outcome::Interrupted
             }
+            (End::Whole, _) if is_slack => Outcome::Slack,
             (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault)) => Outcome::NotReachable,
             (End::Whole, _) => Outcome::Done,
         })
@@ -169,10 +170,10 @@ impl Simulate {
 
     /// One goal, an ideal rig.
     fn short_form(&self, to: Pose) -> Result<Scenario> {
-        let (file, controller) = self.rig.read_with_controller(self.planner.map(Planner::kind))?;
+        let (file, controller) = self.rig.read_with_controller(self.planner)?;
         let from = self.from.unwrap_or(file.home);
         if let Err(right) = count_steps(self.duration, self.step) {
-            bail!("--duration {:?} s with --step {:?} s: {right}", self.duration, self.step);
+            bail!("--duration {} s with --step {} s: {right}", number(self.duration), number(self.step));
         }
         let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
         require_rest(&controller, &name, &from)?;
@@ -244,8 +245,8 @@ impl Simulate {
         }
     }
 
-    /// The summary: to stderr for people, to stdout for machines. What the controller said last.
-    fn tell(&self, scenario: &Scenario, recorded: &RunFolder) -> Result<Option<Status>> {
+    /// The summary: to stderr for people, to stdout for machines. What the controller said last, and whether a cable went slack.
+    fn tell(&self, scenario: &Scenario, recorded: &RunFolder) -> Result<(Option<Status>, bool)> {
         let run = recorded.run()?;
         let summary = Summary { scenario, run: &run, table: &recorded.table };
         // Nothing depends on whether stderr is read.
@@ -253,7 +254,7 @@ impl Simulate {
         if self.json {
             print_json(&summary.as_json())?;
         }
-        Ok(summary.status())
+        Ok((summary.status(), !run.summary().slack.is_empty()))
     }
 }
 

@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::RigFile;
 use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
+use cable_robot_programs::errors::similar;
 use cable_robot_report::files::read_text;
 
 use crate::rig;
@@ -18,9 +19,12 @@ pub fn named(name: &str) -> Result<Scenario> {
 }
 
 fn from_file(path: &Path) -> Result<Scenario> {
-    let names = BUNDLED.map(|(name, _)| name).join(", ");
+    let names = BUNDLED.map(|(name, _)| name);
     let text = read_text(path).with_context(|| {
-        format!("cannot read the scenario {} (bundled ones are: {names})", path.display())
+        let given = path.display().to_string();
+        let meant = similar(&given, names);
+        let question = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        format!("cannot read the scenario {given} (bundled ones are: {}{question})", names.join(", "))
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&text, folder).with_context(|| path.display().to_string())

@@ -3,6 +3,7 @@
 use cable_robot::plan::Status;
 use cable_robot::robot::Pose;
 use cable_robot::sim::Scenario;
+use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::{Run, SetPoint, Table};
 use serde_json::{Value, json};
 
@@ -32,13 +33,14 @@ impl Summary<'_> {
         if self.tells_of_goals() {
             text += &self.goals();
         }
-        text += &match summary.slack {
-            Some((cable, time)) => format!("slack cables: cable {cable}, first at {time:.3} s\n"),
-            None => "slack cables: none\n".to_owned(),
-        };
-        match self.status() {
-            Some(status) => text + &format!("status at the end, {:.3} s: {status:?}\n", self.end()),
-            None => text,
+        text += &format!("slack cables: {}\n", slack_in_words(&summary.slack));
+        let status = self.status().map(|status| format!("{status:?}"));
+        let left = self.left().map(|(distance, turn)| {
+            format!("{} m from the goal, turned by {turn:.4} rad from it", metres(distance).trim())
+        });
+        match [status, left].into_iter().flatten().collect::<Vec<_>>().as_slice() {
+            [] => text,
+            parts => text + &format!("at the end, {:.3} s: {}\n", self.end(), parts.join(", ")),
         }
     }
 
@@ -60,7 +62,11 @@ impl Summary<'_> {
             "smallestTension": summary.smallest_tension.map(|u| {
                 json!({ "cable": u.cable, "tension": u.value, "time": u.time })
             }),
-            "slack": summary.slack.map(|(cable, time)| json!({ "cable": cable, "time": time })),
+            "slack": summary.slack.iter().map(|slack| {
+                json!({ "cable": slack.cable, "first": slack.first, "duration": slack.duration })
+            }).collect::<Vec<_>>(),
+            "goalDistance": self.left().map(|(distance, _)| distance),
+            "goalTurn": self.left().map(|(_, turn)| turn),
             "status": self.status().map(|status| format!("{status:?}")),
         })
     }
@@ -69,6 +75,18 @@ impl Summary<'_> {
     pub fn status(&self) -> Option<Status> {
         let number = *self.table.get("controller.status")?.last()?;
         Status::ALL.into_iter().find(|status| f64::from(*status as i32) == number)
+    }
+
+    /// How far the platform is from the last goal at the end, m, and how much it is turned from it, rad; `None` without a goal or an end.
+    fn left(&self) -> Option<(f64, f64)> {
+        let goal = self.scenario.goals.iter().rfind(|goal| goal.time <= self.end())?;
+        let coordinate = |axis| self.table.get(&format!("plant.encoderPose.{axis}"))?.last().copied();
+        let mut end = Pose::default();
+        for (k, axis) in ["x", "y", "z", "roll", "pitch", "yaw"].into_iter().enumerate() {
+            end.0[k] = coordinate(axis)?;
+        }
+        let turn = end.rotation().rotation_to(&goal.pose.rotation()).angle();
+        Some(((end.position() - goal.pose.position()).norm(), turn))
     }
 
     /// Roll, pitch and yaw of the set points, rad.

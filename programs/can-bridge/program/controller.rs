@@ -1,15 +1,16 @@
 //! The packed controller: an FMU whose variables are looked up once, and which is then stepped without allocating.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::robot::{PerCable, Pose, RigFile};
 use cable_robot::sim::{ControllerModel, ModelError};
 use cable_robot_fieldbus::Config;
 use cable_robot_fieldbus::config::Parameter;
-use cable_robot_fmi::Interface;
 use cable_robot_fmi::models::controller;
 use cable_robot_fmi::variables::{Causality as Role, Kind};
+use cable_robot_fmi::{Interface, Model};
 use cable_robot_import::{LogMessage, Status};
+use cable_robot_programs::errors::similar;
 use cable_robot_programs::fmu_model::FmuModel;
 use cable_robot_report::run_folder;
 
@@ -34,6 +35,7 @@ impl FmuController {
         let path = &config.controller.fmu;
         let rig = rig_file(config);
         let mut fmu = FmuModel::open(path.as_ref(), &rig, Box::new(say))?;
+        ensure!(fmu.model() == Model::Controller, "{path} is a plant, no controller");
         let start = |fmu: &mut FmuModel| -> Result<()> {
             fmu.require(Role::Parameter, &["anchor", "attachment"]).context(
                 "it is not made for the rig of the rig file: `cable-robot fmu --rig FILE --output FOLDER` makes one",
@@ -131,7 +133,9 @@ fn parameter_value(interface: &Interface, name: &str, parameter: &Parameter) -> 
     let mut rows = interface.rows_with(Role::Parameter);
     let Some(row) = rows.find(|row| row.name == name) else {
         let known: Vec<_> = interface.rows_with(Role::Parameter).map(|row| row.name).collect();
-        bail!("controller.parameters.{name}: the controller has {}", known.join(", "));
+        let meant = similar(name, known.iter().copied());
+        let question = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        bail!("controller.parameters.{name}: the controller has {}{question}", known.join(", "));
     };
     let number = match (row.kind, parameter) {
         (Kind::Boolean, Parameter::Boolean(flag)) => f64::from(u8::from(*flag)),

@@ -26,6 +26,7 @@ use anyhow::{Context, Result, ensure};
 use cable_robot_fieldbus::bridge::Bridge;
 use cable_robot_fieldbus::transport;
 use cable_robot_fieldbus::{Files, bus_load, export};
+use cable_robot_programs::errors;
 use clap::Parser;
 
 use controller::FmuController;
@@ -106,7 +107,7 @@ pub fn main() -> ExitCode {
     let code = match terminal::start().and_then(|()| run(&arguments)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
-            say(format_args!("can-bridge: {error:#}"));
+            say(format_args!("{}", errors::in_words("can-bridge", &error)));
             ExitCode::FAILURE
         }
     };

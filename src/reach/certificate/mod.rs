@@ -242,11 +242,15 @@ impl Range {
 }
 
 impl Verdict {
-    /// That all motions in a tube leave the limits does not say which of them happens.
+    /// That all motions in a tube leave the limits does not say which of them happens; nor does a tube so wide that it holds a singular pose
+    /// make the motion itself singular.
     fn of_a_tube(self) -> Self {
         match self {
             Self::NotAdmissible { time, .. } => {
                 Self::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
+            }
+            Self::Undecided { time, resolution, cause: Cause::Singular } => {
+                Self::Undecided { time, resolution, cause: Cause::TooClose }
             }
             other => other,
         }

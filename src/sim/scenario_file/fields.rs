@@ -1,8 +1,12 @@
 //! The fields of a scenario file, with what JSON Schema can say of each.
 
-use schemars::JsonSchema;
-use serde::Deserialize;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use serde_json::json;
 use toml::Spanned;
+
+use crate::plan::PlannerKind;
 
 /// A scenario for cable-robot: what happens in a simulation. SI units, angles in rad, z down; times from the start, s.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -92,9 +96,10 @@ pub struct Imperfections {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Which reachable domain the planner uses; `bounded` if left out.
-    #[schemars(with = "Planner", default)]
-    pub planner: Option<Planner>,
+    /// Which reachable domain the planner uses; if left out `bounded` for the paper's rig, `exact` for others.
+    #[serde(default, deserialize_with = "planner")]
+    #[schemars(schema_with = "planner_schema", default)]
+    pub planner: Option<PlannerKind>,
     /// T_s, s: greater than 0; 0.05 if left out.
     #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
     pub planner_period: Option<Spanned<f64>>,
@@ -121,14 +126,15 @@ pub struct Controller {
     pub force_loop: Option<bool>,
 }
 
-/// Which reachable domain the planner uses.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Planner {
-    /// The paper's, Eq. (15).
-    Bounded,
-    /// Every step that the certificate proves, in all six coordinates.
-    Exact,
+fn planner<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PlannerKind>, D::Error> {
+    const KEYS: &[&str] = &PlannerKind::KEYS;
+    let key = String::deserialize(deserializer)?;
+    PlannerKind::named(&key).map(Some).ok_or_else(|| D::Error::unknown_variant(&key, KEYS))
+}
+
+fn planner_schema(_: &mut SchemaGenerator) -> Schema {
+    let item = |kind: PlannerKind| json!({ "const": kind.key(), "description": kind.described().1 });
+    json_schema!({ "oneOf": PlannerKind::ALL.map(item) })
 }
 
 /// Where the measured pose comes from.

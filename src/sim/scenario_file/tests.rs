@@ -1,4 +1,5 @@
 use super::*;
+use crate::plan::PlannerKind;
 use crate::sim::BUNDLED;
 use serde_json::Value;
 

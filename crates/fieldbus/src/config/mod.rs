@@ -391,7 +391,7 @@ pub(crate) mod tests {
             (
                 "home = [0.0, 0.0, 1.0",
                 "home = [1.5, 0.0, 1.0",
-                "home = [1.5, 0.0, 1.0, 0.0, 0.0, 0.0] is not allowed: must be a pose that cables hold within the limits of the rig file",
+                "home = [1.5, 0, 1, 0, 0, 0] is not allowed: must be a pose that cables hold within the limits of the rig file",
             ),
             (
                 "[[buses]]",

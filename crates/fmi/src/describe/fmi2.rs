@@ -2,12 +2,13 @@
 
 use std::io;
 
+use super::Version;
 use super::xml::{
     Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
     kind_of, leaf, node, units,
 };
 use crate::models::{Interface, Scalar};
-use crate::variables::{Causality, Kind};
+use crate::variables::Causality;
 
 /// The XML of a model for a rig.
 pub fn model_description(interface: &Interface) -> String {
@@ -64,12 +65,7 @@ fn listed(interface: &Interface) -> impl Iterator<Item = Scalar> {
 fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
         listed(interface).try_for_each(|scalar| {
-            let element = match scalar.row.kind {
-                Kind::Float64 => "Real",
-                Kind::Int32 => "Integer",
-                Kind::Boolean => "Boolean",
-                Kind::Enumeration(_) => "Enumeration",
-            };
+            let element = Version::Fmi2.type_name(scalar.row.kind);
             node(xml, "ScalarVariable", &identity(&scalar), |xml| {
                 leaf(xml, element, &kind_of(interface, &scalar))
             })

@@ -8,6 +8,7 @@ mod page;
 mod xml;
 
 use super::models::{Interface, MODELS, Model};
+use super::variables::Kind;
 
 /// Version of the standard that an FMU follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,15 @@ impl Version {
             Version::Fmi3 => "fmi3",
         }
     }
+
+    /// What it calls the type of a variable.
+    pub fn type_name(self, kind: Kind) -> &'static str {
+        match (self, kind) {
+            (Version::Fmi2, Kind::Float64) => "Real",
+            (Version::Fmi2, Kind::Int32) => "Integer",
+            _ => kind.name(),
+        }
+    }
 }
 
 /// modelDescription.xml.
@@ -46,15 +56,15 @@ pub fn model_description(interface: &Interface, version: Version) -> String {
 }
 
 /// documentation/index.html.
-pub fn documentation(interface: &Interface) -> String {
-    page::render(interface)
+pub fn documentation(interface: &Interface, version: Version) -> String {
+    page::render(interface, version)
 }
 
 /// Everything in the FMU but the library: path in the zip file and content.
 pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         ("modelDescription.xml", model_description(interface, version).into_bytes()),
-        ("documentation/index.html", documentation(interface).into_bytes()),
+        ("documentation/index.html", documentation(interface, version).into_bytes()),
         ("documentation/licenses/license.txt", LICENSE.into()),
         ("documentation/licenses/MIT.txt", MIT.into()),
         ("documentation/licenses/Apache-2.0.txt", APACHE.into()),
@@ -78,8 +88,9 @@ pub fn checked_in() -> Vec<(String, Vec<u8>)> {
         for version in VERSIONS {
             let path = format!("{folder}/{}/modelDescription.xml", version.name());
             files.push((path, model_description(&interface, version).into_bytes()));
+            let path = format!("{folder}/{}/index.html", version.name());
+            files.push((path, documentation(&interface, version).into_bytes()));
         }
-        files.push((format!("{folder}/index.html"), documentation(&interface).into_bytes()));
     }
     files
 }
@@ -96,6 +107,16 @@ mod tests {
         for (path, content) in checked_in() {
             let there = std::fs::read(folder.join(&path)).unwrap_or_default();
             assert!(there == content, "modelDescription/{path} has drifted: run `cargo fmu describe`");
+        }
+    }
+
+    /// The page in the FMI 2 archives spoke of Float64.
+    #[test]
+    fn the_page_names_the_types_of_its_own_version() {
+        for interface in MODELS.map(Model::interface) {
+            let [of_2, of_3] = VERSIONS.map(|version| documentation(&interface, version));
+            assert!(of_2.contains("<td>Real</td>") && !of_2.contains("Float64") && !of_2.contains("Int32"));
+            assert!(of_3.contains("<td>Float64</td>") && !of_3.contains("<td>Real</td>"));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use quick_xml::escape::escape;
 
-use super::{drawing, xml};
+use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
 use crate::models::{Interface, Model, Scalar};
 use crate::variables::{Causality, Row};
@@ -11,14 +11,14 @@ use cable_robot::robot::Rig;
 const STYLE: &str = include_str!("page.css");
 
 /// The page of a model.
-pub fn render(interface: &Interface) -> String {
+pub fn render(interface: &Interface, version: Version) -> String {
     let model = interface.model();
     let name = model.identifier();
     let parts = [
         format!("<h1>{name}</h1>\n<p>{}.</p>", escape(interface.description())),
         interface.rig().map_or_else(frame, |rig| frame_of(interface, rig)),
         first_steps(interface),
-        variables(interface),
+        variables(interface, version),
         statuses(interface),
         behaviour(model),
         logging(),
@@ -76,14 +76,14 @@ fn first_steps(interface: &Interface) -> String {
     )
 }
 
-fn variables(interface: &Interface) -> String {
+fn variables(interface: &Interface, version: Version) -> String {
     [
         ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked. A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
         ("Inputs", Causality::Input, "Held during a step."),
         ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
     ]
     .map(|(title, causality, text)| {
-        let rows: String = interface.rows_with(causality).map(|row| table_row(interface, row)).collect();
+        let rows: String = interface.rows_with(causality).map(|row| table_row(interface, version, row)).collect();
         format!(
             "<h2>{title}</h2>\n<p>{text}</p>\n<div class=\"wide\"><table>\n<tr><th>Name</th><th>Type</th><th>Unit</th>\
              <th>Start</th><th>Range</th><th>Reference</th><th>Meaning</th></tr>\n{rows}</table></div>"
@@ -92,7 +92,7 @@ fn variables(interface: &Interface) -> String {
     .join("\n")
 }
 
-fn table_row(interface: &Interface, row: &'static Row) -> String {
+fn table_row(interface: &Interface, version: Version, row: &'static Row) -> String {
     let references: Vec<u32> = interface.scalars_of(row).map(|scalar| scalar.reference).collect();
     let runs = references.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
         [one] => one.to_string(),
@@ -111,7 +111,7 @@ fn table_row(interface: &Interface, row: &'static Row) -> String {
     format!(
         "<tr><td><code>{name}</code> <small>{suffixes}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{range}</td>\
          <td>{span}</td><td>{}</td></tr>\n",
-        row.kind.name(),
+        version.type_name(row.kind),
         units(interface, row),
         start(interface, row),
         escape(row.description)

@@ -19,17 +19,22 @@ const PLANNER_TYPE: Enumeration = Enumeration {
     name: "Planner",
     description: "The reachable domain that the planner uses",
     first: 1,
-    items: &[BOUNDED, EXACT],
+    items: &PLANNERS,
 };
 
-/// The planners of a rig that is not the paper's.
-const GENERAL_PLANNER_TYPE: Enumeration = Enumeration { first: 2, items: &[EXACT], ..PLANNER_TYPE };
+/// The planners of a rig that is not the paper's: all but the first.
+const GENERAL_PLANNER_TYPE: Enumeration =
+    Enumeration { first: 2, items: PLANNERS.split_at(1).1, ..PLANNER_TYPE };
 
-const BOUNDED: (&str, &str) = ("Bounded", "The paper's domain, Eq. (15): steps in x and y from rest");
-const EXACT: (&str, &str) = (
-    "Exact",
-    "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
-);
+const PLANNERS: [(&str, &str); PlannerKind::ALL.len()] = {
+    let mut items = [("", ""); PlannerKind::ALL.len()];
+    let mut k = 0;
+    while k < items.len() {
+        items[k] = PlannerKind::ALL[k].described();
+        k += 1;
+    }
+    items
+};
 const POSE_SOURCE_TYPE: Enumeration = Enumeration {
     name: "PoseSource",
     description: "Where the measured pose comes from",
@@ -391,7 +396,8 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         eta: values.scalar(&ETA),
         planner_period: values.scalar(&PLANNER_PERIOD),
         bisection_steps: values.integer(&BISECTION_STEPS),
-        planner: if values.integer(&PLANNER) == 2 { PlannerKind::Exact } else { PlannerKind::Bounded },
+        // The table lets no other number in.
+        planner: PlannerKind::numbered(values.integer(&PLANNER)).unwrap_or(PlannerKind::Bounded),
         pose_source: if values.integer(&POSE_SOURCE) == 2 {
             PoseSource::CableLengths
         } else {

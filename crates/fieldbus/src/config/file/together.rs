@@ -129,7 +129,7 @@ fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), Confi
     let found = tensions.map_or("none".to_owned(), |tensions| format!("{tensions:.2?} N"));
     let allowed =
         format!("must be a pose that cables hold within the limits of the rig file; it takes {found}");
-    let value = format!("{:?}", file.home.get_ref());
+    let value = format!("[{}]", file.home.get_ref().map(|x| x.to_string()).join(", "));
     Err(check.refuse(file.home.span().start, "home", value, allowed))
 }
 
