@@ -9,11 +9,11 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use tempfile::TempDir;
 use zip::ZipArchive;
 
 use super::fmi2::Slave2;
 use super::fmi3::Slave3;
+use super::folder::Folder;
 use super::log::LogSink;
 use super::slave::{Failure, Slave};
 use super::{CosimError, FmiVersion, Instance, LogCallback, ModelDescription};
@@ -25,7 +25,7 @@ pub struct Fmu {
     description: Arc<ModelDescription>,
     // Dropped before the folder it was loaded from.
     library: Library,
-    folder: Arc<TempDir>,
+    folder: Arc<Folder>,
 }
 
 #[derive(Clone)]
@@ -94,11 +94,10 @@ impl Fmu {
 }
 
 /// Unpacks into a new temporary folder; the reason if that fails.
-fn unpack(path: &Path) -> Result<TempDir, String> {
+fn unpack(path: &Path) -> Result<Folder, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let mut archive = ZipArchive::new(file).map_err(|e| e.to_string())?;
-    let parent = std::env::temp_dir().canonicalize().map_err(|e| e.to_string())?;
-    let folder = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent).map_err(|e| e.to_string())?;
+    let folder = Folder::new().map_err(|e| e.to_string())?;
     archive.extract(folder.path()).map_err(|e| e.to_string())?;
     // An FMU may come without, and is told the path all the same.
     fs::create_dir_all(folder.path().join("resources")).map_err(|e| e.to_string())?;

@@ -8,6 +8,7 @@ mod error;
 mod fmi2;
 mod fmi3;
 mod fmu;
+mod folder;
 mod instance;
 mod log;
 mod master;
