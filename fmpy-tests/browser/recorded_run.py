@@ -48,7 +48,8 @@ class Recorded:
 def cable_robot(*arguments) -> None:
     command = ["cargo", "run", "--quiet", "--bin", "cable-robot", "--", *map(str, arguments)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode in (0, 3), done.stderr
+    # 3: a goal was not reached, 4: a cable went slack.
+    assert done.returncode in (0, 3, 4), done.stderr
 
 
 def record(scenario, folder: Path) -> Recorded:
