@@ -130,6 +130,6 @@ def test_a_limit_far_above_the_tensions_is_told(open_report, paper):
 def test_a_run_without_a_goal_and_with_a_fault_says_so(open_report, tmp_path_factory):
     page = open_report(recorded(tmp_path_factory, THROWN))
     verdict = page.locator(".verdict").inner_text()
-    assert "goal none given" in verdict and "at the goal" not in verdict
+    assert "goal the start, held" in verdict and "at the goal" not in verdict
     assert "sensor fault" in page.locator(".verdict .bad").last.inner_text()
     look(page, "thrown")

@@ -39,8 +39,10 @@ pub struct Data {
     workspace: Vec<[f64; 2]>,
     workspace_height: f64,
     limits: Limits,
-    /// Greatest tension measured.
+    /// Greatest tension measured, and the one from which on a cable has the last colour: that follows from the rig, so that runs can be
+    /// compared.
     tension_top: f64,
+    colour_top: f64,
     /// Names of the statuses from number 1 on.
     statuses: [&'static str; 6],
     /// Those active in a drawn row.
@@ -53,6 +55,8 @@ pub struct Data {
     goals: Vec<Goal>,
     /// From when to when a cable was slack.
     slack_spans: Vec<[f64; 2]>,
+    /// From when to when the platform was disturbed.
+    disturbed_spans: Vec<[f64; 2]>,
     rows: Rows,
 }
 
@@ -126,12 +130,14 @@ impl Data {
             workspace_height,
             limits: Limits { min: limits.min, max: limits.max.is_finite().then_some(limits.max) },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
+            colour_top: colour_top(rig, limits.max),
             statuses: Status::ALL.map(status_name),
             set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
             last_set_point: set_points.len() - 1,
             many_set_points: set_points.len() > MANY,
             goals: active(&goals, &drawn).into_iter().map(goal).collect(),
             slack_spans: slack_spans(history),
+            disturbed_spans: history.disturbed_spans().to_vec(),
             rows: Rows::new(history, &drawn),
         }
     }
@@ -199,6 +205,11 @@ fn slack_spans(history: &History) -> Vec<[f64; 2]> {
         }
     }
     spans
+}
+
+/// A share of the weight that a cable seldom bears, or the limit if that is less, N.
+fn colour_top(rig: &Rig, limit: f64) -> f64 {
+    (3.0 * rig.weight() / rig.cables.len() as f64).min(limit)
 }
 
 /// Outline of the static workspace, and the height at which it is drawn, m: of the paper's rig the hexagon (16), in the base plane; of others

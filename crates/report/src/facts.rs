@@ -1,9 +1,10 @@
 //! The report's facts: what was run and with what, and what came of it, in words.
 
-use super::history::History;
+use super::history::{Arrival, History};
 use super::run_folder::Model;
 use super::{Slack, Summary};
-use cable_robot::plan::PoseSource;
+use cable_robot::control::{Barrier, barrier};
+use cable_robot::plan::{PoseSource, Status};
 use cable_robot::robot::{Pose, Rig};
 
 /// More goals than these are counted only.
@@ -27,7 +28,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
         ("Rig", info.rig.clone()),
         ("Robot", robot(history)),
         (
-            "Law (4)",
+            "Law",
             format!(
                 "λ = {} 1/s, η = {} 1/s: ω = {:.3} 1/s, ξ = {:.3}; reads {source}; load-cell force loop {}",
                 gains.lambda,
@@ -72,6 +73,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
     let from =
         if history.goals().is_empty() { "From the start at the end" } else { "From the goal at the end" };
     facts.extend(goals(history));
+    facts.extend(unreachable(history));
     facts.extend([
         ("Smallest tension", smallest),
         ("Slack cables", slack_in_words(&summary.slack)),
@@ -137,17 +139,56 @@ pub fn first_of(listed: usize, count: usize, what: &str) -> String {
     format!("The first {listed} of {count} {what} are listed; run.csv has all.")
 }
 
+/// Why the last goal cannot be had, if the controller said so: where the robot holds, and which cable forbids that it rests at the goal.
+fn unreachable(history: &History) -> Option<(&'static str, String)> {
+    if history.last_status() != Some(Status::GoalUnreachable) {
+        return None;
+    }
+    let rig = &history.info.controller_parameters.rig;
+    let (goal, nearest) = (history.goal.last()?, history.set_point.last()?);
+    let why = match barrier(rig, goal) {
+        Some(Barrier { cable, limit, is_greatest: true }) => {
+            format!("at rest at the goal cable {cable} would pull more than its {limit} N")
+        }
+        Some(Barrier { cable, limit: 0.0, .. }) => {
+            format!("at rest at the goal cable {cable} would be slack")
+        }
+        Some(Barrier { cable, limit, .. }) => {
+            format!("at rest at the goal cable {cable} would pull less than its {limit} N")
+        }
+        None => "at rest at the goal no limit is broken, but the planner has no step to it".to_owned(),
+    };
+    let left = (goal.position() - nearest.position()).norm();
+    Some((
+        "Goal unreachable",
+        format!("{why}; the last set point is {left:.4} m from it, {}", rounded_pose(nearest)),
+    ))
+}
+
+/// The same to a tenth of a millimetre and of a milliradian.
+fn rounded_pose(at: &Pose) -> String {
+    pose(&Pose(at.0.map(|c| (c * 1e4).round() / 1e4 + 0.0)))
+}
+
 /// When a goal was given and how long the robot took.
-fn arrival(history: &History, (row, reached): &(usize, Option<f64>)) -> String {
+fn arrival(history: &History, (row, arrival): &(usize, Arrival)) -> String {
     let given = history.run.times[*row];
-    let after = reached.map_or("not reached".to_owned(), |time| format!("reached after {time:.3} s"));
+    let after = match arrival {
+        Arrival::After(time) => format!("reached after {time:.3} s"),
+        Arrival::Replaced(time) => format!("replaced after {time:.3} s, before it was reached"),
+        Arrival::Never => "not reached".to_owned(),
+    };
     format!("{} given at {given:.3} s: {after}", pose(&history.goal[*row]))
 }
 
 /// Position in m, and angles in rad if there are any.
 fn pose(pose: &Pose) -> String {
     let [p, angles] = [pose.position(), pose.angles()].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
-    if pose.angles().amax() == 0.0 { format!("{p} m") } else { format!("{p} m, turned {angles} rad") }
+    if pose.angles().amax() == 0.0 {
+        format!("{p} m")
+    } else {
+        format!("{p} m, roll, pitch, yaw {angles} rad")
+    }
 }
 
 /// Each slack cable with its first time and for how long.

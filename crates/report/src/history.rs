@@ -7,6 +7,8 @@ use cable_robot::robot::{Coordinates, Pose, RobotParameters, Shape};
 /// The six components of a pose, as the columns call them.
 const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 
+const DISTURBANCES: [&str; 2] = ["plant.disturbanceForce", "plant.disturbanceTorque"];
+
 /// A recorded run, row by row.
 pub struct History<'a> {
     /// What was run.
@@ -27,6 +29,18 @@ pub struct History<'a> {
     pub status: Option<Vec<i32>>,
     /// Greatest disturbing force and torque, N and N m.
     pub disturbance: [f64; 2],
+    disturbed: Vec<[f64; 2]>,
+}
+
+/// What came of a goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrival {
+    /// The robot rested at it after so many seconds.
+    After(f64),
+    /// Another goal took its place after so many seconds, before the robot had come to it.
+    Replaced(f64),
+    /// The run ended before.
+    Never,
 }
 
 impl<'a> History<'a> {
@@ -56,8 +70,8 @@ impl<'a> History<'a> {
             goal,
             estimate,
             status: table.get("controller.status").map(|column| column.iter().map(|s| *s as i32).collect()),
-            disturbance: ["plant.disturbanceForce", "plant.disturbanceTorque"]
-                .map(|name| greatest(table, name)),
+            disturbance: DISTURBANCES.map(|name| greatest(table, name)),
+            disturbed: disturbed(table, &folder.run()?.times),
         })
     }
 
@@ -86,16 +100,23 @@ impl<'a> History<'a> {
         (0..self.len()).filter(|row| *row == 0 || self.goal[*row] != self.goal[*row - 1]).collect()
     }
 
-    /// For each goal the row in which it was given, and after how long the robot rested at it, s. To hold the start is no goal.
-    pub fn goals(&self) -> Vec<(usize, Option<f64>)> {
+    /// For each goal the row in which it was given, and what came of it. To hold the start is no goal.
+    pub fn goals(&self) -> Vec<(usize, Arrival)> {
         let holds_start = |row: &usize| *row == 0 && self.goal[0] == self.info.plant_parameters.initial_pose;
         let given: Vec<_> = self.goal_rows().into_iter().filter(|row| !holds_start(row)).collect();
         let ends = given.iter().skip(1).copied().chain([self.len()]);
-        let reached = |(start, end): (usize, usize)| {
-            let row = (start..end).find(|row| self.run.at_goal[*row] != 0.0)?;
-            Some(self.run.times[row] - self.run.times[start])
+        let arrival = |start: usize, end: usize| match (start..end).find(|row| self.run.at_goal[*row] != 0.0)
+        {
+            Some(row) => Arrival::After(self.run.times[row] - self.run.times[start]),
+            None if end < self.len() => Arrival::Replaced(self.run.times[end] - self.run.times[start]),
+            None => Arrival::Never,
         };
-        given.iter().zip(ends).map(|(start, end)| (*start, reached((*start, end)))).collect()
+        given.iter().zip(ends).map(|(start, end)| (*start, arrival(*start, end))).collect()
+    }
+
+    /// From when to when the platform was disturbed, s.
+    pub fn disturbed_spans(&self) -> &[[f64; 2]] {
+        &self.disturbed
     }
 
     /// What the controller said last; `None` if it did not say.
@@ -129,6 +150,22 @@ fn poses(table: &Table, name: &str) -> Result<Vec<Pose>, TableError> {
         poses.iter_mut().zip(column).for_each(|(pose, value)| pose.0[k] = *value);
     }
     Ok(poses)
+}
+
+/// From when to when a component of a disturbance is not zero, s. A row speaks of the time since the one before.
+fn disturbed(table: &Table, times: &[f64]) -> Vec<[f64; 2]> {
+    let components =
+        DISTURBANCES.iter().flat_map(|name| ["x", "y", "z"].map(|axis| format!("{name}.{axis}")));
+    let columns: Vec<_> = components.filter_map(|name| table.get(&name)).collect();
+    let mut spans: Vec<[f64; 2]> = vec![];
+    for row in (0..times.len()).filter(|row| columns.iter().any(|column| column[*row] != 0.0)) {
+        let begun = times[row.saturating_sub(1)];
+        match spans.last_mut() {
+            Some(last) if last[1] >= begun => last[1] = times[row],
+            _ => spans.push([begun, times[row]]),
+        }
+    }
+    spans
 }
 
 /// The greatest length of a vector in the table; 0 if it is not there.

@@ -6,7 +6,7 @@ use quick_xml::escape::escape;
 
 use super::data::{Data, MANY};
 use super::facts::{facts, first_of, limits};
-use super::history::{History, status_name};
+use super::history::{Arrival, History, status_name};
 use super::{RunFolder, Summary, TableError};
 use cable_robot::plan::{PlannerKind, Status};
 
@@ -38,7 +38,9 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("set_points", set_points(&history, turned)),
         ("more_set_points", more_set_points(&history)),
         ("angle_heads", angle_heads(turned).to_owned()),
-        ("domain_key", domain_key(&history).to_owned()),
+        ("disturbed_key", disturbed_key(&history).to_owned()),
+        ("figure_5", of_the_paper("Fig. 5", &history)),
+        ("figure_6", of_the_paper("Fig. 6", &history)),
         ("p_source", p_source(&history).to_owned()),
         ("limits", limits(&history.info.controller_parameters.rig)),
         ("drawn", drawn(data.rows(), history.len())),
@@ -71,6 +73,20 @@ fn script_safe(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
+fn disturbed_key(history: &History) -> &'static str {
+    if history.disturbed_spans().is_empty() {
+        return "";
+    }
+    r#"<span><svg width="26" height="14" aria-hidden="true"><path class="disturbed-span" d="M1 1H25V13H1Z"/></svg>the platform is disturbed</span>"#
+}
+
+/// A name in the paper, where the run is of the paper's rig and planner.
+fn of_the_paper(name: &str, history: &History) -> String {
+    let planner = history.info.controller_parameters.planner;
+    let is_so = history.paper.is_some() && planner == PlannerKind::Bounded;
+    if is_so { format!(" <small>{name}</small>") } else { String::new() }
+}
+
 /// What came of the run, in a few words each; what is bad is marked.
 fn verdict(history: &History, summary: &Summary) -> String {
     let item = |bad: bool, name: &str, value: &dyn Display| {
@@ -79,12 +95,19 @@ fn verdict(history: &History, summary: &Summary) -> String {
     };
     let mut list = String::new();
     let goals = history.goals();
-    let reached = goals.iter().filter(|(_, time)| time.is_some()).count();
+    let count = |is: fn(&Arrival) -> bool| goals.iter().filter(|(_, arrival)| is(arrival)).count();
+    let reached = count(|arrival| matches!(arrival, Arrival::After(_)));
+    let replaced = count(|arrival| matches!(arrival, Arrival::Replaced(_)));
     list += &match goals.as_slice() {
-        [] => item(false, "goal", &"none given"),
-        [(_, Some(time))] => item(false, "at the goal after", &format!("{time:.3} s")),
-        [(_, None)] => item(true, "goal", &"not reached"),
-        many => item(reached < many.len(), "goals reached", &format!("{reached} of {}", many.len())),
+        [] => item(false, "goal", &"the start, held"),
+        [(_, Arrival::After(time))] => item(false, "at the goal after", &format!("{time:.3} s")),
+        [_] => item(true, "goal", &"not reached"),
+        many => {
+            let also =
+                if replaced == 0 { String::new() } else { format!(", {replaced} replaced on the way") };
+            let text = format!("{reached} of {}{also}", many.len());
+            item(reached + replaced < many.len(), "goals reached", &text)
+        }
     };
     if let Some(smallest) = summary.smallest_tension {
         list += &item(smallest.value <= 0.0, "smallest tension", &smallest);
@@ -103,16 +126,9 @@ fn verdict(history: &History, summary: &Summary) -> String {
     list
 }
 
-fn domain_key(history: &History) -> &'static str {
-    match history.info.controller_parameters.planner {
-        PlannerKind::Bounded => "domain (15) that the active set point was chosen from",
-        PlannerKind::Exact => "exact domain that the active set point was chosen from",
-    }
-}
-
 fn p_source(history: &History) -> &'static str {
     if history.estimate.is_some() {
-        "Its acceleration is the one that the law (4) demands of the recorded estimate."
+        "Its acceleration is the one that the law demands of the recorded estimate."
     } else {
         "The controller tells no estimate, so it is found from the measured tensions."
     }
@@ -220,7 +236,7 @@ mod tests {
             step: 0.01,
         });
         let page = html(&folder).unwrap();
-        assert!(page.contains("<li>goal <b>none given</b></li>"));
+        assert!(page.contains("<li>goal <b>the start, held</b></li>"));
         assert!(page.contains("<li>status at the end <b>at the goal</b></li>"));
         assert!(!page.contains("at the goal after") && !page.contains(" given at "));
         assert!(page.contains("From the start at the end"));

@@ -33,7 +33,8 @@ pub fn figure_3() -> Made {
 pub fn figure_7(run: &Run) -> Made {
     let set_points: Vec<_> = run.set_points.iter().map(|s| [s.position[0], s.position[1]]).collect();
     let from = &set_points[..set_points.len() - 1];
-    let path: Vec<_> = run.samples.iter().map(|sample| [sample.pose.0[0], sample.pose.0[1]]).collect();
+    let path: Vec<_> =
+        run.samples.iter().step_by(25).map(|sample| [sample.pose.0[0], sample.pose.0[1]]).collect();
     let mut panels = planes(from);
     for panel in &mut panels {
         panel.series.push(Series::new("path", Look::Line, BLACK, path.clone()));

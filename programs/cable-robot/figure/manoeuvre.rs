@@ -8,7 +8,7 @@ use cable_robot::robot::{Coordinates, PerCable, Pose};
 
 use super::Made;
 use super::chart::{BLACK, COLOURS, Chart, Look, Panel, Series};
-use super::run::{GOAL, Run, run};
+use super::run::{GOAL, Run, drawn, run};
 use crate::simulate::source;
 
 /// x and y of the set points printed in Eq. (18), m.
@@ -52,7 +52,7 @@ pub fn figure_6() -> Result<Made> {
     for i in 0..SIX {
         let points = run.samples.iter().zip(&predicted).map(|(sample, u)| [sample.time, u[i]]).collect();
         all.push_cable(i, Look::Line, run.tension(i));
-        all.series.push(Series::new(format!("u{} predicted", i + 1), Look::Dashed, BLACK, points));
+        all.series.push(Series::new(format!("u{} predicted", i + 1), Look::Dashed, BLACK, drawn(points)));
     }
     let mut fifth = Panel::over_time("cable 5 alone", "tension (N)", run.duration, 11.0, 0);
     let [simulated, dashed] = [2 * 4, 2 * 4 + 1].map(|row| all.series[row].points.clone());

@@ -23,7 +23,7 @@ function chart(box, run, { label, height, range, lines, limits = [], last, scrub
       paths: line.step ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
     }))],
     hooks: {
-      drawClear: [(u) => slackSpans(u, run)],
+      drawClear: [(u) => spans(u, run.disturbedSpans, colour("--soft") + "2e"), (u) => spans(u, run.slackSpans, colour("--slack") + "33")],
       draw: [(u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines)],
     },
   }, [time, ...lines.map((line) => line.values)], box);
@@ -49,12 +49,12 @@ function chart(box, run, { label, height, range, lines, limits = [], last, scrub
   return { show, redraw: () => plot.redraw(), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
 }
 
-/** Where a cable is slack the background is red. */
-function slackSpans(u, run) {
+/** Background where a cable is slack, or the platform is disturbed. */
+function spans(u, times, fill) {
   const { left, top, width, height } = u.bbox;
   u.ctx.save();
-  u.ctx.fillStyle = colour("--slack") + "33";
-  for (const [from, to] of run.slackSpans) {
+  u.ctx.fillStyle = fill;
+  for (const [from, to] of times) {
     const [x0, x1] = [from, to].map((t) => Math.min(left + width, Math.max(left, u.valToPos(t, "x", true))));
     u.ctx.fillRect(x0, top, Math.max(2, x1 - x0), height);
   }

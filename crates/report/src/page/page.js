@@ -7,7 +7,7 @@ const CABLES = run.anchors.map((_, i) => i);
 const COORDINATES = ["x", "y", "z"];
 const metres = (value) => (Math.abs(value) < 5e-5 ? 0 : value).toFixed(4);
 const newtons = (value) => (value === null ? "–" : (Math.abs(value) < 5e-4 ? 0 : value).toFixed(3));
-const degrees = (angles) => angles.map((angle) => ((angle * 180) / Math.PI).toFixed(1) + "°").join(", ");
+const radians = (angles) => angles.map((angle) => (Math.abs(angle) < 5e-5 ? 0 : angle).toFixed(4)).join(", ");
 
 /** Row drawn nearest to `time`. */
 function rowAt(time) {
@@ -23,7 +23,7 @@ function rowAt(time) {
 
 const robot = scene(byId("scene"), run);
 const view = plane(byId("plane-picture"), run);
-byId("ramp-end").textContent = `${run.tensionTop.toFixed(1)} N`;
+byId("ramp-end").textContent = `${run.colourTop.toFixed(1)} N and more`;
 byId("reset-view").addEventListener("click", robot.reset);
 
 const setPointColumn = (k) => {
@@ -69,23 +69,22 @@ const positions = COORDINATES.map((name, k) => {
 
 /** Roll, pitch and yaw in one chart, if the platform turns at all. */
 function anglesChart() {
-  const inDegrees = (column) => column.map((angle) => (angle * 180) / Math.PI);
-  const angles = rows.pose.slice(3).map(inDegrees);
-  const setPoints = [3, 4, 5].map((k) => inDegrees(setPointColumn(k)));
-  if ([...angles, ...setPoints].flat().every((angle) => Math.abs(angle) < 0.05)) return [];
+  const angles = rows.pose.slice(3);
+  const setPoints = [3, 4, 5].map(setPointColumn);
+  if ([...angles, ...setPoints].flat().every((angle) => Math.abs(angle) < 1e-3)) return [];
   const names = ["roll", "pitch", "yaw"], angleColours = ["--c4", "--c5", "--c6"];
   const { box, outputs } = chartWithHead(byId("positions-charts"),
-    "<b>turned (°)</b>" + names.map((name, k) => `<span>${swatch("line", angleColours[k])}${name} <output id="now-${name}"></output></span>`).join(""));
+    "<b>turned (rad), R = Rz(yaw) Ry(pitch) Rx(roll)</b>" + names.map((name, k) => `<span>${swatch("line", angleColours[k])}${name} <output id="now-${name}"></output></span>`).join(""));
   const lines = [
     ...setPoints.map((values) => ({ values, colour: "--ink", dash: [4, 7], step: true })),
     ...angles.map((values, k) => ({ values, colour: angleColours[k], name: ["r", "p", "y"][k] })),
   ];
   const drawn = chart(box, run, {
-    label: "Roll, pitch and yaw over time", height: 186, range: rangeOf([...angles, ...setPoints], 1), lines, last: true, scrub: seek,
+    label: "Roll, pitch and yaw over time", height: 186, range: rangeOf([...angles, ...setPoints], 0.02), lines, last: true, scrub: seek,
   });
   const show = (row) => {
     drawn.show(row);
-    outputs.forEach((output, k) => { output.textContent = angles[k][row].toFixed(2); });
+    outputs.forEach((output, k) => { output.textContent = angles[k][row].toFixed(4); });
   };
   return [{ ...drawn, show }];
 }
@@ -143,9 +142,16 @@ function slackCables(row) {
 function describeRobot(row) {
   const at = COORDINATES.map((_, k) => metres(rows.pose[k][row])).join(", ");
   const turned = rows.pose.slice(3).map((column) => column[row]);
-  const angles = turned.some((angle) => Math.abs(angle) > 1e-3) ? `, turned ${degrees(turned)}` : "";
+  const angles = turned.some((angle) => Math.abs(angle) > 1e-3) ? `, roll, pitch, yaw (${radians(turned)}) rad` : "";
   const state = rows.status ? run.statuses[rows.status[row] - 1] ?? "" : "";
   byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${run.setPoints[activeAt(run.setPoints, row)].number} of ${run.lastSetPoint}${state && ` · ${state}`} · ${slackCables(row)}`;
+}
+
+/** Which facets p is nearest to. */
+function nearest(cables) {
+  const numbers = cables.map((i) => i + 1);
+  if (numbers.length === 1) return `facet ${numbers[0]}, the nearest`;
+  return numbers.length === CABLES.length ? "every facet, equally near" : `facets ${numbers.join(", ")}, equally near`;
 }
 
 /** What p says of the cables: of facets at zero orientation only, and that a cable would have to push only where it is slack. */
@@ -155,7 +161,7 @@ function describeP(row) {
   const [x, y] = near.p.map(metres), gap = (Math.abs(near.distance) * 1000).toFixed(1), cable = near.cable + 1;
   const where = near.turned
     ? `${slackCables(row)} <small>(turned: the facets are those of zero orientation and tell nothing here)</small>`
-    : near.distance > 0 ? `${gap} mm inside facet ${cable}, the nearest`
+    : near.distance > 0 ? `${gap} mm inside ${nearest(near.cables)}`
       : near.slack ? `<span class="bad">${gap} mm beyond facet ${cable}: cable ${cable} would have to push</span>`
         : `${gap} mm beyond facet ${cable}; cable ${cable} still pulls`;
   byId("plane-now").innerHTML = `<b>p = (${x}, ${y}) m</b> · ${where}`;
@@ -252,6 +258,7 @@ document.addEventListener("keydown", (event) => {
 });
 
 for (const { row: at } of run.manySetPoints ? [] : run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
+for (const [from, to] of run.disturbedSpans) mark("disturbed-span", from, to);
 for (const [from, to] of run.slackSpans) mark("slack-span", from, to);
 function mark(kind, from, to) {
   const share = (time) => (100 * (time - start)) / (Number(slider.max) - start);
@@ -261,5 +268,8 @@ function mark(kind, from, to) {
   if (to > from) line.style.width = `${share(to) - share(from)}%`;
 }
 
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [...positions, tension, margin].forEach((panel) => panel.redraw()));
+// Paper is white, whatever the screen is.
+for (const query of ["(prefers-color-scheme: dark)", "print"]) {
+  matchMedia(query).addEventListener("change", () => [...positions, tension, margin].forEach((panel) => panel.redraw()));
+}
 show(0);

@@ -33,13 +33,16 @@ function plane(box, run) {
     parts.path = shape(svg, "path", { class: "path" });
     parts.reach = shape(svg, "path", { class: "reach-line" });
     parts.facet = shape(svg, "path", { class: "facet" });
+    // Middles of the texts that stand still: the goal's name keeps clear of them.
+    parts.written = [];
     run.normals.forEach((n, i) => {
       const [x, y] = at([n[0] * run.apothem, n[1] * run.apothem]);
+      parts.written.push([x + 15 * n[0], y - 13 * n[1]]);
       shape(svg, "text", { class: "soft", x: x + 15 * n[0], y: y - 13 * n[1], "text-anchor": "middle", dy: "0.35em" }, i + 1);
     });
     parts.goal = shape(svg, "path", { class: "goal-mark" });
-    parts.goalName = shape(svg, "text", { "text-anchor": "middle" }, "goal");
     parts.dots = run.manySetPoints ? setPointLine(svg) : setPointDots(svg);
+    parts.goalName = shape(svg, "text", { "text-anchor": "middle" }, "goal");
     parts.centre = shape(svg, "circle", { class: "centre", r: 5 });
     parts.p = shape(svg, "circle", { class: "p", r: 5.5 });
     parts.pName = shape(svg, "text", { class: "strong" }, "p");
@@ -54,13 +57,13 @@ function plane(box, run) {
 
   /** Dots with numbers; a number that would stand on another one is left out. */
   function setPointDots(svg) {
-    const written = [];
+    const { written } = parts;
     return run.setPoints.map((s, i) => {
       const [cx, cy] = at(s.pose);
       const label = [cx + (i % 2 ? 9 : -9), cy + (i % 2 ? 13 : -9)];
-      if (written.every((w) => Math.hypot(w[0] - label[0], w[1] - label[1]) > 13)) {
+      if (written.every((w) => Math.hypot(w[0] - label[0] - (i % 2 ? 7 : -7), w[1] - label[1] + 4) > 13)) {
         shape(svg, "text", { x: label[0], y: label[1], "text-anchor": i % 2 ? "start" : "end" }, i);
-        written.push(label);
+        written.push([label[0] + (i % 2 ? 7 : -7), label[1] - 4]);
       }
       return shape(svg, "circle", { class: "set-point-dot", cx, cy, r: 3.5 });
     });
@@ -94,7 +97,7 @@ function plane(box, run) {
     set(parts.path, { d: pathOf([...parts.thin.filter((k) => k < row), row].map((k) => at([rows.pose[0][k], rows.pose[1][k]]))) });
     const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
     set(parts.goal, { d: `M${gx - 7} ${gy - 7}l14 14m0 -14l-14 14` });
-    set(parts.goalName, { x: gx, y: Math.min(gy + 31, box.clientHeight - 6) });
+    nameGoal(gx, gy);
     const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null);
     set(parts.pTrail, { d: pathOf(past.map((k) => at([rows.p[0][k], rows.p[1][k]]))) });
     moveP();
@@ -108,10 +111,17 @@ function plane(box, run) {
     const [x, y] = at(near.p), n = run.normals[near.cable];
     set(parts.p, { cx: x, cy: y });
     nameP(x, y);
-    const side = run.facets[near.cable];
-    set(parts.facet, { d: pathOf(side.map(at)), class: near.distance <= 0 && near.slack ? "facet crossed" : "facet" });
+    set(parts.facet, { d: near.cables.map((i) => pathOf(run.facets[i].map(at))).join(""), class: near.distance <= 0 && near.slack ? "facet crossed" : "facet" });
     const foot = [near.p[0] + n[0] * near.distance, near.p[1] + n[1] * near.distance];
-    set(parts.reach, { d: pathOf([[x, y], at(foot)]) });
+    set(parts.reach, { d: near.cables.length > 1 ? "" : pathOf([[x, y], at(foot)]) });
+  }
+
+  /** Beside the goal: the first place within the picture and clear of the numbers of the set points. */
+  function nameGoal(x, y) {
+    const isFree = ([dx, dy]) => x + dx > 16 && x + dx < box.clientWidth - 16 && y + dy > 12 && y + dy < box.clientHeight - 4
+      && parts.written.every((w) => Math.abs(w[0] - x - dx) > 27 || Math.abs(w[1] - y - dy + 4) > 20);
+    const [dx, dy] = [[0, 26], [0, -16], [30, 4], [-30, 4], [30, 30], [-30, -24], [0, 44], [0, -34]].find(isFree) ?? [0, 26];
+    set(parts.goalName, { x: x + dx, y: y + dy });
   }
 
   /** Beside p: the first place within the picture and clear of the goal's name. */
@@ -130,7 +140,7 @@ function plane(box, run) {
 const LEVEL = 0.01;
 
 /**
- * p, the facet it is nearest to (or farthest beyond), how far inside it is, m, whether that facet's cable is slack and whether the
+ * p, the facet it is nearest to (or farthest beyond) and those that are as near, how far inside it is, m, whether that facet's cable is slack and whether the
  * platform is turned, so that the facets do not tell; null where there is no p.
  */
 function nearestFacet(run, row) {
@@ -139,5 +149,7 @@ function nearestFacet(run, row) {
   const distances = run.normals.map((n) => run.apothem - n[0] * p[0] - n[1] * p[1]);
   const distance = Math.min(...distances), cable = distances.indexOf(distance);
   const turned = run.rows.pose.slice(3).some((column) => Math.abs(column[row]) > LEVEL);
-  return { p, cable, distance, turned, slack: isSlack(run, row, cable) };
+  // What rounding of the drawn rows makes of equals.
+  const cables = distances.flatMap((d, i) => (d - distance < 2e-6 * Math.max(1, run.apothem) ? [i] : []));
+  return { p, cable, cables, distance, turned, slack: isSlack(run, row, cable) };
 }

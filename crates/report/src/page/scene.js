@@ -71,7 +71,12 @@ function scene(box, run) {
   const downs = [...run.anchors.map((a) => a[2]), ...rows.pose[2], ...run.setPoints.map((s) => s.pose[2])].map((z) => flip * z);
   const top = Math.min(...downs), depth = Math.max(...downs) - top + 0.05 * Math.max(...downs.map((z) => z - top));
   const wide = Math.max(...[...run.anchors, ...rows.pose[0].map((x, k) => [x, rows.pose[1][k]])].map((a) => Math.hypot(a[0] - midX, a[1] - midY)));
-  const far = 4 * (wide + depth);
+  // A sphere round everything: it fits into the picture from wherever one looks.
+  const size3 = Math.max(...run.attachments.map((a) => Math.hypot(...a)));
+  const centres = [...rows.pose[0].map((_, k) => poseAt(run, k)), ...run.setPoints.map((s) => s.pose)];
+  const distance = (p) => Math.hypot(p[0] - midX, p[1] - midY, flip * p[2] - top - depth / 2);
+  const radius = Math.max(...run.anchors.map(distance), ...centres.map((p) => distance(p) + size3));
+  const far = 4 * (wide + depth) + radius;
   const way = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 250) === 0);
 
   /** Perspective from afar, as large as the box allows; x to the right, z down and so y towards the reader at azimuth and elevation 0. */
@@ -79,8 +84,7 @@ function scene(box, run) {
     const [x, y, z] = [point[0] - midX, flip * (point[1] - midY), flip * point[2] - top];
     const [s, c] = [Math.sin(azimuth), Math.cos(azimuth)], [se, ce] = [Math.sin(elevation), Math.cos(elevation)];
     const across = c * x - s * y, away = -s * x - c * y, down = z - depth / 2;
-    const high = (depth / 2) * ce + 0.6 * wide * Math.abs(se);
-    const scale = 0.45 * Math.min(size[0] / wide, size[1] / high) * far / (far + away * ce + down * se);
+    const scale = (0.48 * Math.min(...size) / radius) * (far - radius) / (far + away * ce + down * se);
     return [size[0] / 2 + across * scale, size[1] / 2 + (down * ce - away * se) * scale];
   }
 
@@ -131,7 +135,7 @@ function scene(box, run) {
     set(parts.p, { cx: p[0] ?? 0, cy: p[1] ?? 0, visibility: px === null ? "hidden" : "visible" });
     parts.cables.forEach((cable, i) => {
       const [from, to] = [project(run.anchors[i]), project(place(pose, run.attachments[i]))];
-      const slack = isSlack(run, row, i), share = Math.max(0, rows.tension[i][row] / run.tensionTop);
+      const slack = isSlack(run, row, i), share = Math.min(1, Math.max(0, rows.tension[i][row] / run.colourTop));
       set(cable, { d: pathOf([from, to]), class: slack ? "slack" : "cable" });
       cable.style.stroke = slack ? "" : `color-mix(in oklch increasing hue, var(--low) ${(100 - 100 * share).toFixed(1)}%, var(--high))`;
       cable.style.strokeWidth = slack ? "" : (1.4 + 3.2 * share).toFixed(2);
