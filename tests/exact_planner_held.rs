@@ -4,6 +4,7 @@ mod common;
 #[path = "common/goals.rs"]
 mod goals;
 
+use cable_robot::control::Response;
 use cable_robot::plan::{Controller, ControllerParameters, PlannerKind, Status};
 use cable_robot::reach::certificate::{Margins, Step, certify_with_margins};
 use cable_robot::reach::{Verdict, certify};
@@ -138,6 +139,49 @@ fn a_goal_given_with_the_first_step_slackens_no_cable() {
             println!("gains {gain}, {step} s, {name}: {smallest:.3} N");
             assert!(smallest > 0.1, "gains {gain}, {step} s, {name}: {smallest} N");
         }
+    }
+}
+
+/// The greatest distance (m) of the platform from the closed form (12), (13) on the way from rest to a goal that takes one step.
+fn off_the_closed_form(gain: f64, step: f64, order: Order, hold_compensation: bool) -> f64 {
+    let (start, goal) = (Pose::at(-0.1, 0.05, 0.9), Pose::at(0.0, 0.02, 0.7));
+    let plant_parameters = PlantParameters { initial_pose: start, ..Default::default() };
+    let command_delay = if order == Order::Both { step } else { 0.0 };
+    let parameters = ControllerParameters { hold_compensation, command_delay, ..exact(gain) };
+    let hanging = Plant::new(plant_parameters, &PlantInputs::none(6)).unwrap();
+    let mut controller = Controller::new(parameters, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
+    let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
+    let mut plant = Plant::new(plant_parameters, &pull).unwrap();
+    let mut farthest = 0.0f64;
+    for k in 0..(1.5 / step) as u32 {
+        let time = f64::from(k) * step;
+        let late = controller.outputs().motor_tension;
+        controller.step(time, step, &inputs(plant.outputs(), goal, true));
+        assert_eq!((controller.outputs().set_point, controller.outputs().set_point_index), (goal, 1));
+        pull.motor_tension = if order == Order::Both { late } else { controller.outputs().motor_tension };
+        plant.step(&pull, step).unwrap();
+        // The motion begins when the first command acts.
+        let since = (time + step - command_delay).max(0.0);
+        let (closed, ..) =
+            Response::at(&parameters.gains(), since).motion_of(&start, &Coordinates::zeros(), &goal);
+        farthest = farthest.max((plant.outputs().encoder_pose.position() - closed.position()).norm());
+    }
+    farthest
+}
+
+/// Evaluated for the instant of the measurement the error falls with the step, evaluated for the interval in which it acts with its square,
+/// also when the command is handed on a step late.
+#[test]
+fn a_law_evaluated_for_when_it_acts_errs_by_the_square_of_the_step() {
+    for order in [Order::Controller, Order::Both] {
+        let of = |step: f64, is_on: bool| off_the_closed_form(5.0, step, order, is_on);
+        let [plain, fine] = [4e-3, 2e-3].map(|step| of(step, false));
+        let [compensated, finer] = [4e-3, 2e-3].map(|step| of(step, true));
+        println!(
+            "{order:?} first: {plain:.2e} and {fine:.2e} m, compensated {compensated:.2e} and {finer:.2e} m"
+        );
+        assert!(plain / fine < 2.5 && compensated / finer > 3.0, "{plain} {fine} {compensated} {finer}");
+        assert!(compensated < 0.05 * plain, "{compensated} {plain}");
     }
 }
 

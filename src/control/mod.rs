@@ -1,6 +1,7 @@
 //! Section III: the Lyapunov law, its gains, the closed-form response, the tension distribution, and what the law needs to know of the motion.
 
 pub mod active_set;
+pub mod commands;
 pub mod distribution;
 pub mod estimator;
 pub mod force_loop;
@@ -9,6 +10,7 @@ pub mod lyapunov;
 pub mod response;
 pub mod tensions;
 
+pub use commands::Commands;
 pub use estimator::Estimator;
 pub use force_loop::ForceLoop;
 pub use gains::Gains;

@@ -7,7 +7,7 @@ use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
-use crate::control::{Estimator, ForceLoop, lyapunov, static_tensions};
+use crate::control::{Commands, Estimator, ForceLoop, Response, lyapunov, static_tensions};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over.
@@ -28,7 +28,8 @@ pub struct Controller {
     started: f64,
     ticks: u64,
     estimator: Estimator,
-    /// What the law imposed in the last step.
+    /// What the law imposes, and from when on; and what it imposed on average in the step just past.
+    commands: Commands,
     acceleration: Coordinates,
     force_loop: ForceLoop,
     prediction: Prediction,
@@ -77,6 +78,7 @@ impl Controller {
             started: time,
             ticks: 0,
             estimator,
+            commands: Commands::none(),
             acceleration: Coordinates::zeros(),
             force_loop: ForceLoop::new(&parameters.rig),
             prediction,
@@ -98,6 +100,7 @@ impl Controller {
             self.begin(inputs);
         }
         let dt = time - self.time;
+        self.acceleration = self.commands.mean(self.time, time);
         self.time = time;
         self.hold = [hold, self.hold[0]];
         self.sense(inputs, dt);
@@ -204,6 +207,7 @@ impl Controller {
         self.outputs.goal_distance = 0.0;
         self.search = None;
         self.force_loop = ForceLoop::new(self.planner.rig());
+        self.commands = Commands::none();
         self.acceleration = Coordinates::zeros();
         self.predict();
     }
@@ -299,10 +303,25 @@ impl Controller {
     }
 
     fn law(&self) -> Option<PerCable<f64>> {
-        let Estimator { pose, rates } = &self.estimator;
+        let (pose, rates) = self.when_it_acts();
         let gains = self.planner.parameters.gains();
         let margin = self.planner.allowance();
-        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, &self.outputs.set_point, margin)
+        lyapunov::tension_command(self.planner.rig(), &gains, &pose, &rates, &self.outputs.set_point, margin)
+    }
+
+    /// Pose and rates for which the command of this step is computed: the estimate, or with `holdCompensation` what the closed form makes of
+    /// it in the middle of the interval in which the command will act.
+    fn when_it_acts(&self) -> (Pose, Coordinates) {
+        let Estimator { pose, rates } = self.estimator;
+        let parameters = &self.planner.parameters;
+        if !parameters.hold_compensation {
+            return (pose, rates);
+        }
+        let acts = self.time + parameters.command_delay;
+        let (pose, rates) = self.commands.carry(&pose, &rates, self.time, acts);
+        let middle = Response::at(&parameters.gains(), 0.5 * self.hold[0]);
+        let (pose, rates, _) = middle.motion_of(&pose, &rates, &self.outputs.set_point);
+        (pose, rates)
     }
 
     fn pull(&mut self, tension: &PerCable<f64>, inputs: &ControllerInputs, dt: f64) {
@@ -313,9 +332,11 @@ impl Controller {
             desired
         };
         self.outputs.motor_tension = self.limited(command);
-        let Estimator { pose, rates } = &self.estimator;
-        self.acceleration =
-            lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, &self.outputs.set_point);
+        let (pose, rates) = self.when_it_acts();
+        let parameters = &self.planner.parameters;
+        let imposed = lyapunov::acceleration(&parameters.gains(), &pose, &rates, &self.outputs.set_point);
+        let delay = if parameters.hold_compensation { parameters.command_delay } else { 0.0 };
+        self.commands.send(self.time, self.time + delay, imposed);
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {

@@ -121,6 +121,13 @@ pub struct ControllerParameters {
     pub position_tolerance: f64,
     /// The same for each angle, rad and rad/s; 0 for the default.
     pub angle_tolerance: f64,
+    /// Whether the law is evaluated for the interval in which the command will act, not for the instant of the measurement.
+    #[serde(default)]
+    pub hold_compensation: bool,
+    /// From a measurement to the moment at which its command acts, s; 0 if the controller is stepped before the plant. Used with
+    /// `hold_compensation`.
+    #[serde(default)]
+    pub command_delay: f64,
 }
 
 /// What counts as at rest at a pose.
@@ -173,6 +180,8 @@ impl Default for ControllerParameters {
             force_loop: false,
             position_tolerance: 0.0,
             angle_tolerance: 0.0,
+            hold_compensation: false,
+            command_delay: 0.0,
         }
     }
 }
@@ -246,6 +255,13 @@ impl ControllerParameters {
             let ok = value.is_finite() && value >= 0.0;
             require(ok, name, value, "must be greater than 0, or 0 to follow the rig's size")?;
         }
+        let delay = self.command_delay;
+        require(
+            delay.is_finite() && delay >= 0.0,
+            "commandDelay",
+            delay,
+            "must be finite and 0 or greater (s)",
+        )?;
         if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {

@@ -124,6 +124,8 @@ impl ScenarioFile {
             planner: given.planner.unwrap_or(base.planner),
             pose_source: pose_source.unwrap_or(base.pose_source),
             force_loop: given.force_loop.unwrap_or(base.force_loop),
+            hold_compensation: given.hold_compensation.unwrap_or(base.hold_compensation),
+            command_delay: or(&given.command_delay, base.command_delay),
             ..base
         }
     }
@@ -273,6 +275,7 @@ impl ScenarioFile {
             "lambda" => ("controller.lambda", start_of(&controller.lambda)),
             "eta" => ("controller.eta", start_of(&controller.eta)),
             "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),
+            "commandDelay" => ("controller.command_delay", start_of(&controller.command_delay)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),
             "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),

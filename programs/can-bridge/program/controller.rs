@@ -45,7 +45,16 @@ impl FmuController {
             fmu.set_parameters(|interface, values| {
                 let (lambda, eta) = (rig.lambda, rig.eta);
                 let own = controller::controller_parameters(interface, values);
-                let base = ControllerParameters { rig: rig.rig, lambda, eta, ..own };
+                // From an encoder's sample to the torque that answers it is one period, for which it then holds.
+                let command_delay = config.period as f64 * 1e-9;
+                let base = ControllerParameters {
+                    rig: rig.rig,
+                    lambda,
+                    eta,
+                    hold_compensation: true,
+                    command_delay,
+                    ..own
+                };
                 controller::write_parameters(interface, &base, values);
                 for (name, parameter) in &config.controller.parameters {
                     let (reference, number) = parameter_value(interface, name, parameter)?;

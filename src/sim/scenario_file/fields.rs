@@ -124,6 +124,12 @@ pub struct Controller {
     /// Whether the load cells correct the motors (Section VII); false if left out.
     #[schemars(with = "bool", default)]
     pub force_loop: Option<bool>,
+    /// Whether the law is evaluated for the interval in which its command acts; false if left out.
+    #[schemars(with = "bool", default)]
+    pub hold_compensation: Option<bool>,
+    /// With that: from a measurement to the moment at which its command acts, s: 0 or greater; 0 if left out.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub command_delay: Option<Spanned<f64>>,
 }
 
 fn planner<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PlannerKind>, D::Error> {

@@ -159,6 +159,8 @@ fn parameters(config: &Config) -> ControllerParameters {
         eta: config.controller.eta,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
+        hold_compensation: true,
+        command_delay: config.period as f64 * 1e-9,
         ..ControllerParameters::of(&config.rig)
     }
 }

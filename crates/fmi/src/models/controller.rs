@@ -159,6 +159,24 @@ const ANGLE_TOLERANCE: Row = Row {
         "The same for each angle (and its rate in rad/s); 0 is 0.01 rad",
     )
 };
+const HOLD_COMPENSATION: Row = setting(
+    19,
+    "holdCompensation",
+    Kind::Boolean,
+    &[0.0],
+    "Whether the law is evaluated for the interval in which the command will act, instead of the instant of the measurement",
+);
+const COMMAND_DELAY: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        20,
+        "commandDelay",
+        &SECOND,
+        &[0.0],
+        "With holdCompensation: from a measurement to the moment at which its command acts. 0: the controller is stepped before the plant; one step: both \
+         with what the other gave a step before",
+    )
+};
 const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -341,6 +359,8 @@ pub const ROWS: &[&Row] = &[
     &FORCE_LOOP,
     &POSITION_TOLERANCE,
     &ANGLE_TOLERANCE,
+    &HOLD_COMPENSATION,
+    &COMMAND_DELAY,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
@@ -406,6 +426,8 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         force_loop: values.boolean(&FORCE_LOOP),
         position_tolerance: values.scalar(&POSITION_TOLERANCE),
         angle_tolerance: values.scalar(&ANGLE_TOLERANCE),
+        hold_compensation: values.boolean(&HOLD_COMPENSATION),
+        command_delay: values.scalar(&COMMAND_DELAY),
     }
 }
 
@@ -449,6 +471,8 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&FORCE_LOOP, [parameters.force_loop.into()]);
     values.write(&POSITION_TOLERANCE, [parameters.position_tolerance]);
     values.write(&ANGLE_TOLERANCE, [parameters.angle_tolerance]);
+    values.write(&HOLD_COMPENSATION, [parameters.hold_compensation.into()]);
+    values.write(&COMMAND_DELAY, [parameters.command_delay]);
 }
 
 /// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.

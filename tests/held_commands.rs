@@ -1,0 +1,106 @@
+//! Commands that are held and handed on late: inputs at which cables went slack, with the law evaluated for the interval in which its
+//! command acts.
+
+use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind};
+use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+
+/// A perfect plant, starting at rest at (0, 0, 1).
+struct Case {
+    gain: f64,
+    /// s.
+    step: f64,
+    /// Whether the plant gets the tensions a step late (Jacobi order).
+    is_late: bool,
+    /// From when on (s).
+    goals: &'static [(f64, [f64; 6])],
+}
+
+fn inputs(plant: &PlantOutputs, goal_pose: Pose) -> ControllerInputs {
+    ControllerInputs {
+        encoder_pose: plant.encoder_pose,
+        cable_length: plant.cable_length,
+        measured_tension: plant.measured_tension,
+        goal_pose,
+        enable: true,
+    }
+}
+
+/// For how long a cable was slack in `duration` s, and the greatest angle of the platform, rad.
+fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
+    let &Case { gain, step, is_late, goals } = case;
+    let start = PlantParameters::default();
+    let command_delay = if is_late { step } else { 0.0 };
+    let parameters = ControllerParameters {
+        planner: PlannerKind::Exact,
+        lambda: gain,
+        eta: gain,
+        hold_compensation,
+        command_delay,
+        ..Default::default()
+    };
+    let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
+    let seen = inputs(hanging.outputs(), start.initial_pose);
+    let mut controller = Controller::new(parameters, 0.0, &seen).unwrap();
+    let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
+    let mut plant = Plant::new(start, &pull).unwrap();
+    let (mut slack, mut turned) = (0.0, 0.0f64);
+    for k in 0..(duration / step) as u32 {
+        let time = f64::from(k) * step;
+        let given = goals.iter().rfind(|(from, _)| *from <= time + 1e-9);
+        let goal = given.map_or(start.initial_pose, |(_, goal)| Pose(Coordinates::from(*goal)));
+        let late = controller.outputs().motor_tension;
+        controller.step(time, step, &inputs(plant.outputs(), goal));
+        pull.motor_tension = if is_late { late } else { controller.outputs().motor_tension };
+        if plant.step(&pull, step).is_err() {
+            return (f64::INFINITY, turned);
+        }
+        slack += step * f64::from(plant.outputs().slack != [false; 6]);
+        turned = turned.max(plant.outputs().encoder_pose.angles().amax());
+    }
+    (slack, turned)
+}
+
+/// In Jacobi order the observer was told an acceleration before the plant got it, and the command acted a step late.
+#[test]
+fn a_master_that_hands_commands_on_late_slackens_no_cable() {
+    let case = Case {
+        gain: 10.0,
+        step: 1e-3,
+        is_late: true,
+        goals: &[
+            (0.1, [-0.0924, 0.1354, 0.5857, 0.0, 0.0, 0.0]),
+            (0.25, [0.0687, -0.1811, 1.0526, 0.0, 0.0, 0.0]),
+        ],
+    };
+    let (before, after) = (slack(&case, false, 2.0), slack(&case, true, 2.0));
+    println!("slack for {:.3} s, compensated {:.3} s", before.0, after.0);
+    assert!(before.0 > 0.01 && after.0 == 0.0, "{before:?} {after:?}");
+}
+
+/// A held torque error turns the platform; with slow gains, where the allowance is least, cables went slack and a robot was lost.
+#[test]
+fn turned_goals_at_slow_gains_slacken_no_cable() {
+    let cases = [
+        Case {
+            gain: 1.5,
+            step: 2e-3,
+            is_late: false,
+            goals: &[(0.0, [0.1379, -0.2354, 2.2404, -0.1762, 0.5602, -2.6846])],
+        },
+        Case {
+            gain: 1.0,
+            step: 1e-3,
+            is_late: false,
+            goals: &[(0.0, [0.1837, -0.1101, 0.7981, 0.5161, -0.1338, 1.7936])],
+        },
+    ];
+    let mut slack_before = 0.0;
+    for case in &cases {
+        let (before, after) = (slack(case, false, 12.0), slack(case, true, 12.0));
+        println!("gains {}: slack for {:.3} s, compensated {:.3} s", case.gain, before.0, after.0);
+        assert!(after.0 == 0.0, "gains {}: {before:?} {after:?}", case.gain);
+        slack_before += before.0;
+    }
+    assert!(slack_before > 0.1, "{slack_before}");
+}
