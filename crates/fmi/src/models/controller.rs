@@ -563,6 +563,7 @@ mod tests {
         write_robot(&RobotParameters { a: 0.7, b: 0.2, ..RobotParameters::default() }, &mut values);
         let flags = [
             (&FORCE_LOOP, 1.0),
+            (&HOLD_COMPENSATION, 1.0),
             (&ENABLE, 0.0),
             (&STEADY, 1.0),
             (&AT_GOAL, 1.0),
