@@ -1,8 +1,7 @@
 //! The planner `Bounded`, the paper's: Eq. (17) with the domain (15).
 
 use super::bisection::smallest_admissible;
-use super::exact::MOST_SPANS;
-use super::planner::{Planner, Situation, horizontal};
+use super::planner::{MOST_SPANS, Planner, Situation, horizontal};
 use crate::reach::BoundedDomain;
 use crate::robot::{Coordinates, Pose};
 

@@ -4,14 +4,11 @@
 //! to look (docs/exact.md).
 
 use super::bisection::smallest_admissible;
-use super::planner::{Planner, STEEPEST, Situation};
+use super::planner::{MOST_SPANS, Planner, STEEPEST, Situation};
 use crate::reach::certificate::{Step, certify_within};
 use crate::reach::{Curve, ExactDomain, Verdict};
 use crate::robot::pose::PITCH;
 use crate::robot::{Pose, TensionLimits};
-
-/// Spans of time that the certificate looks at in one decision, for all the set points that are tried: what bounds the work.
-pub(super) const MOST_SPANS: usize = 600;
 
 /// Tension that is left unused beside the limits, as a part of the weight: 0.1 N with Table I.
 const SPARE: f64 = 0.0017;

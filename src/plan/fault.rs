@@ -4,9 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::planner::LARGEST_PITCH;
 use crate::control::Estimator;
-use crate::robot::pose::PITCH;
+use crate::robot::pose::{LARGEST_PITCH, PITCH};
 use crate::robot::{Coordinates, PerCable, Pose, Rig, forward_kinematics};
 
 /// A pose measured farther than this from where the robot should be by now, plus what it can travel meanwhile, is a sensor fault.

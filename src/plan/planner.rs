@@ -4,14 +4,13 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::aim::Search;
-use super::exact::MOST_SPANS;
 use super::interface::{ControllerParameters, PlannerKind, Rest, size};
 use crate::control::static_margin;
-use crate::robot::pose::PITCH;
+use crate::robot::pose::{LARGEST_PITCH, PITCH};
 use crate::robot::{Coordinates, PerCable, Pose, Rig, Shape, TensionLimits};
 
-/// Beyond this pitch, rad, the angles no longer tell the orientation.
-pub(super) const LARGEST_PITCH: f64 = 1.4;
+/// Spans of time that the certificate looks at in one decision, for all the set points that are tried: what bounds the work.
+pub(super) const MOST_SPANS: usize = 600;
 /// Pitch up to which the planner sends the robot, which may be a little off.
 pub const STEEPEST: f64 = LARGEST_PITCH - 1e-2;
 /// No pose is reachable farther than this many radii of the rig from the middle of its anchors.

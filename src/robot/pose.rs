@@ -10,6 +10,8 @@ pub type Coordinates = Vector6<f64>;
 pub const ROLL: usize = 3;
 /// As [`ROLL`].
 pub const PITCH: usize = 4;
+/// Beyond this pitch, rad, the angles no longer tell the orientation.
+pub const LARGEST_PITCH: f64 = 1.4;
 
 /// Pose of the platform in the base frame (origin at the centre of the base plane, z down).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
