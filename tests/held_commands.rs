@@ -104,3 +104,17 @@ fn turned_goals_at_slow_gains_slacken_no_cable() {
     }
     assert!(slack_before > 0.1, "{slack_before}");
 }
+
+/// The jump of the pose was judged against the last one: at 7 m/s the watchdog called the controller's own motion a fault, and the robot was lost.
+#[test]
+fn a_fast_way_down_is_no_sensor_fault() {
+    let case =
+        Case { gain: 3.0, step: 1e-2, is_late: false, goals: &[(0.0, [0.0, 0.0, 10.0, 0.0, 0.0, 0.0])] };
+    for hold_compensation in [false, true] {
+        let (slack, turned) = slack(&case, hold_compensation, 6.0);
+        assert!(
+            slack == 0.0 && turned < 0.05,
+            "compensated {hold_compensation}: slack for {slack} s, turned by {turned} rad"
+        );
+    }
+}
