@@ -1,4 +1,4 @@
-//! Cable-suspended robots, of six and more cables, that never let one go slack: controller, planner and plant, as a library and as FMUs.
+//! Cable-suspended robots, of six and more cables, with every cable taut, within what docs/limits.md says: controller, planner and plant, as a library and as FMUs.
 //!
 //! After Oh and Agrawal, *Guaranteed Reachable Domain and Control Design for a Cable Robot Subject to Input Constraints*.
 //! Where the program differs from the paper, `docs/paper.md` says so, with the figure.
