@@ -15,7 +15,7 @@ CONTROLLER = {
     + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance", "fault",
        "faultValue", "faultLimit"],
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
-    "forceLoop positionTolerance angleTolerance".split(),
+    "forceLoop positionTolerance angleTolerance holdCompensation commandDelay".split(),
 }
 PLANT = {
     "input": cable_names("motorTension") + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"],
