@@ -15,6 +15,9 @@ const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/programs/fa
 /// Of the fieldbus file in the machine, and how exactly it can be kept there, ms.
 const WATCHDOG: f64 = 2000.0;
 const GRAIN: f64 = 200.0;
+/// The cycles that the bridge rides through, and the one in which it gives up, ms: on a bus without room heartbeats may get through, and keep
+/// the watchdog calm, where torques do not.
+const RIDDEN: f64 = 51.0 * 10.0;
 
 type Outcomes = Result<BTreeMap<String, Outcome>, String>;
 
@@ -106,7 +109,7 @@ fn judge(name: &str, outcome: &Outcome, cause: Option<&str>) -> Result<Row, Stri
     }
     let oldest = after("rig: oldest command that a motor followed: ");
     let oldest: f64 = oldest.and_then(|text| text.strip_suffix(" ms")?.parse().ok()).ok_or_else(story)?;
-    ensure(oldest <= WATCHDOG + GRAIN, || format!("a motor followed a command for {oldest} ms"))?;
+    ensure(oldest <= WATCHDOG + RIDDEN + GRAIN, || format!("a motor followed a command for {oldest} ms"))?;
     Ok(Row {
         name: name.to_owned(),
         stated: if cause.is_some() { "not asserted" } else { "goes on" }.to_owned(),
