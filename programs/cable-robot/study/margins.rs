@@ -9,13 +9,14 @@ use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits}
 use cable_robot_import::Fmu;
 use clap::Args;
 use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::cases::Case;
 use super::plant::{ImperfectPlant, Truth};
+use super::random_of;
 use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
@@ -85,7 +86,7 @@ impl Margins {
         })?;
         let progress = Progress::new("running", self.steps);
         let one = |k| {
-            let found = try_one(&fmu, self.seed.wrapping_add(k));
+            let found = try_one(&fmu, random_of(self.seed, k));
             progress.done(1);
             found
         };
@@ -130,8 +131,7 @@ impl Found {
 }
 
 /// Draws steps and plants until the certificate accepts one, and runs that.
-fn try_one(fmu: &Fmu, seed: u64) -> Result<Found> {
-    let mut rng = Pcg64::seed_from_u64(seed);
+fn try_one(fmu: &Fmu, mut rng: Pcg64) -> Result<Found> {
     let mut admissible = 0;
     loop {
         let (case, truth) = random_case(&mut rng);

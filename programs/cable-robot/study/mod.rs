@@ -13,7 +13,7 @@ use cable_robot::reach::static_workspace;
 use cable_robot::robot::RobotParameters;
 use clap::Subcommand;
 use nalgebra::Vector2;
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::Outcome;
@@ -49,6 +49,12 @@ impl Study {
     }
 }
 
+/// The random numbers of one batch of a study: others for each batch, and for each batch of another seed.
+fn random_of(seed: u64, batch: u64) -> Pcg64 {
+    let key: u64 = Pcg64::seed_from_u64(seed).random();
+    Pcg64::seed_from_u64(key ^ batch)
+}
+
 /// A point at least `inset` (m) inside the border of the static workspace; a negative one lets it lie as far outside.
 fn random_point(rng: &mut Pcg64, robot: &RobotParameters, inset: f64) -> Vector2<f64> {
     let facets = static_workspace(robot);
@@ -59,5 +65,20 @@ fn random_point(rng: &mut Pcg64, robot: &RobotParameters, inset: f64) -> Vector2
         if facets.iter().all(|facet| facet.slack(&point) > inset) {
             return point;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    /// Batch k was drawn from `seed + k`: neighbouring seeds shared all but one batch of a thousand.
+    #[test]
+    fn neighbouring_seeds_share_no_batch() {
+        let first = |seed, batch| random_of(seed, batch).random::<u64>();
+        let all = (0..20).flat_map(|seed| (0..1000).map(move |batch| first(seed, batch)));
+        assert_eq!(all.collect::<HashSet<_>>().len(), 20 * 1000);
     }
 }

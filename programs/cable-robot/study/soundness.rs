@@ -2,12 +2,12 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::cases::{Case, Domain};
+use super::random_of;
 use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
@@ -15,7 +15,7 @@ pub const EXAMPLE: &str = "\
 Example: cable-robot study soundness --domain certificate --cases 10000000
 Tensions are solved from the 6x6 inverse dynamics, not from the formulae under test. Exit code 1: one was at or beyond a limit.";
 
-/// Cases that one random generator makes; its seed is the study's plus the number of the batch.
+/// Cases that one random generator makes.
 const BATCH: u64 = 1000;
 /// Instants looked at, denser at the start.
 const INSTANTS: usize = 64;
@@ -54,7 +54,7 @@ impl Soundness {
         let found = (0..batches)
             .into_par_iter()
             .map(|batch| {
-                let found = look_at(self.domain, self.seed.wrapping_add(batch));
+                let found = look_at(self.domain, random_of(self.seed, batch));
                 progress.done(BATCH);
                 found
             })
@@ -87,8 +87,7 @@ impl Soundness {
 }
 
 /// Draws cases until a batch of them is admitted.
-fn look_at(domain: Domain, seed: u64) -> Found {
-    let mut rng = Pcg64::seed_from_u64(seed);
+fn look_at(domain: Domain, mut rng: Pcg64) -> Found {
     let mut found = Found::none();
     while found.admitted < BATCH {
         found = found.and(domain.draw(&mut rng).map_or(Found::refused(), |case| Found::in_case(&case)));
