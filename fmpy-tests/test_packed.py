@@ -13,9 +13,10 @@ CONTROLLER = {
     + pose_names("goalPose") + ["enable"],
     "output": cable_names("motorTension") + pose_names("setPoint") + ["setPointIndex"] + pose_names("estimatedPose")
     + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance", "fault",
-       "faultValue", "faultLimit"],
+       "faultValue", "faultLimit"] + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"]
+    + ["estimatedMass"],
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
-    "forceLoop positionTolerance angleTolerance holdCompensation commandDelay".split(),
+    "forceLoop positionTolerance angleTolerance holdCompensation commandDelay observerBound".split(),
 }
 PLANT = {
     "input": cable_names("motorTension") + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"],

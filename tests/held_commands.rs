@@ -27,6 +27,7 @@ fn inputs(plant: &PlantOutputs, goal_pose: Pose) -> ControllerInputs {
 }
 
 /// For how long a cable was slack in `duration` s, and the greatest angle of the platform, rad.
+/// Without compensation there is no observer either: it would take the worst of the lag for a disturbance and make up for it.
 fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
     let &Case { gain, step, is_late, goals } = case;
     let start = PlantParameters::default();
@@ -37,6 +38,7 @@ fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
         eta: gain,
         hold_compensation,
         command_delay,
+        observer_bound: if hold_compensation { 0.1 } else { 0.0 },
         ..Default::default()
     };
     let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();

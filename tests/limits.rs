@@ -56,6 +56,12 @@ fn the_measured_rows_are_what_the_program_does() {
         ("noise 0.1", "load_cell_noise = 0.1", "force_loop = true", 1e-3, 6.0),
         ("noise 0.1 slow", "load_cell_noise = 0.1", "force_loop = true", 4e-3, 6.0),
         ("mass 6.012", "", "", 1e-3, 6.012),
+        ("exact, friction 0.2", "friction = 0.2", "planner = \"exact\"", 1e-3, 6.0),
+        ("exact, friction 1.0", "friction = 1.0", "planner = \"exact\"", 1e-3, 6.0),
+        ("exact, friction 1.0 closed", "friction = 1.0", "planner = \"exact\"\nforce_loop = true", 1e-3, 6.0),
+        ("exact, mass 6.012", "", "planner = \"exact\"", 1e-3, 6.012),
+        ("exact, mass 6.6", "", "planner = \"exact\"", 1e-3, 6.6),
+        ("exact, mass 7", "", "planner = \"exact\"", 1e-3, 7.0),
     ] {
         let found = end(imperfections, controller, step, mass);
         println!("| {name} | ... | {:.2} | {:.1} | {:?} |", found.distance, found.turn, found.status);

@@ -64,14 +64,21 @@ impl Commands {
         if to > from { sum / (to - from) } else { Coordinates::zeros() }
     }
 
-    /// Pose and rates at `to` of a platform that is at these at `from` (s), under what is on its way.
-    pub fn carry(&self, pose: &Pose, rates: &Coordinates, from: f64, to: f64) -> (Pose, Coordinates) {
+    /// Pose and rates at `to` of a platform that is at these at `from` (s), under what is on its way and `besides`.
+    pub fn carry(
+        &self,
+        (pose, rates): (&Pose, &Coordinates),
+        besides: &Coordinates,
+        from: f64,
+        to: f64,
+    ) -> (Pose, Coordinates) {
         let (mut at, mut rates, mut left) = (pose.0, *rates, to - from);
         // Before the first command acts nothing accelerates.
         let idle = self.sent().first().map_or(left, |first| (first.from - from).clamp(0.0, left));
         at += rates * idle;
         left -= idle;
         for (time, acceleration) in self.pieces(from, to) {
+            let acceleration = acceleration + besides;
             at += rates * time + acceleration * (0.5 * time * time);
             rates += acceleration * time;
             left -= time;
@@ -96,7 +103,8 @@ mod tests {
         assert_eq!(commands.mean(0.0, 1.0)[0], 0.0);
         assert_eq!(commands.mean(0.5, 1.5)[0], 0.5);
         assert_eq!(commands.mean(1.0, 3.0)[0], -1.0);
-        let (pose, rates) = commands.carry(&Pose::at(0.0, 0.0, 1.0), &along_x(2.0), 0.0, 3.0);
+        let (start, none) = (Pose::at(0.0, 0.0, 1.0), Coordinates::zeros());
+        let (pose, rates) = commands.carry((&start, &along_x(2.0)), &none, 0.0, 3.0);
         // 2 m/s for 1 s, then 1 m/s² for 1 s, then -3 m/s² for 1 s.
         assert!((pose.0[0] - (2.0 + 2.5 + 1.5)).abs() < 1e-12 && rates[0].abs() < 1e-12, "{pose:?} {rates}");
     }

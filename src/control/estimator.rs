@@ -1,27 +1,41 @@
-//! Pose and velocity from measured poses alone.
+//! Pose, velocity and what disturbs the platform, from measured poses and what the commands impose.
 
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
-use crate::robot::{Coordinates, Pose};
+use crate::robot::dynamics::{accelerations_of, wrench_of};
+use crate::robot::{Coordinates, Pose, Rig};
 
 /// Decay of an estimation error, 1/s: far above the gains of the law, far below the sampling of a rig.
 const OBSERVER_POLE: f64 = 100.0;
 
+/// How a constant disturbance is estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisturbanceObserver {
+    /// Decay of an error of the estimate, 1/s.
+    pub pole: f64,
+    /// Largest force estimated, N.
+    pub force: f64,
+    /// Largest torque, N m.
+    pub torque: f64,
+}
+
 /// An observer of each coordinate with a double pole. It is told the acceleration that the law imposes, so that it has no lag
-/// in the motions that the controller itself makes.
+/// in the motions that the controller itself makes. With a [`DisturbanceObserver`] a third, slower pole estimates what else accelerates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimator {
     /// Estimated pose.
     pub pose: Pose,
     /// Estimated rates of the coordinates, m/s and rad/s.
     pub rates: Coordinates,
+    /// Estimated wrench on the platform besides weight and cables (N, N m), base frame.
+    pub disturbance: Vector6<f64>,
 }
 
 impl Estimator {
     /// At rest at `pose`.
     pub fn at_rest(pose: Pose) -> Self {
-        Self { pose, rates: Vector6::zeros() }
+        Self { pose, rates: Vector6::zeros(), disturbance: Vector6::zeros() }
     }
 
     /// The pose after `dt` s at the estimated rates.
@@ -29,8 +43,20 @@ impl Estimator {
         Pose(self.pose.0 + self.rates * dt)
     }
 
-    /// Moves `dt` seconds on under `acceleration` (m/s², rad/s²) and takes in the pose measured then.
-    pub fn update(&mut self, measured: &Pose, acceleration: &Coordinates, dt: f64) {
+    /// What the estimated disturbance accelerates the coordinates by, m/s² and rad/s².
+    pub fn disturbing(&self, rig: &Rig) -> Coordinates {
+        accelerations_of(rig, &self.pose, &self.disturbance)
+    }
+
+    /// Moves `dt` seconds on under `acceleration` (m/s², rad/s²), the disturbance's included, and takes in the pose measured then. The
+    /// disturbance is estimated if there is an `observer`.
+    pub fn update(
+        &mut self,
+        measured: &Pose,
+        acceleration: &Coordinates,
+        dt: f64,
+        observer: Option<(&Rig, &DisturbanceObserver)>,
+    ) {
         if dt <= 0.0 {
             self.pose = *measured;
             return;
@@ -39,24 +65,77 @@ impl Estimator {
         let innovation = measured.minus(&predicted);
         // The double pole exp(-100 t) sampled: any step is stable, and a long one makes it a plain difference.
         let keep = (-OBSERVER_POLE * dt).exp();
+        // The share of an error of the disturbance that goes in this step. The gains place the poles keep, keep and 1 - share.
+        let share = observer.map_or(0.0, |(_, observer)| -(-observer.pole * dt).exp_m1());
+        let square = (1.0 - keep).powi(2);
         // The prediction counts its angles in the measurement's turn.
-        self.pose = Pose(measured.0 - innovation * (keep * keep));
-        self.rates += acceleration * dt + innovation * ((1.0 - keep).powi(2) / dt);
+        self.pose = Pose(measured.0 - innovation * (keep * keep * (1.0 - share)));
+        let gain = square + share * (1.0 - keep * keep - 0.5 * square);
+        self.rates += acceleration * dt + innovation * (gain / dt);
+        if let Some((rig, observer)) = observer {
+            self.disturbance += wrench_of(rig, &self.pose, &(innovation * (share * square / (dt * dt))));
+            self.limit(observer);
+        }
+    }
+
+    fn limit(&mut self, observer: &DisturbanceObserver) {
+        for (k, most) in [(0, observer.force), (3, observer.torque)] {
+            let mut part = self.disturbance.fixed_rows_mut::<3>(k);
+            let size = part.norm();
+            if size > most {
+                part *= most / size;
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::RigFile;
 
     #[test]
     fn an_unknown_constant_velocity_is_found() {
         let mut estimator = Estimator::at_rest(Pose::default());
         for k in 1..=300 {
             let measured = Pose::at(0.2 * 1e-3 * f64::from(k), 0.0, 1.0);
-            estimator.update(&measured, &Coordinates::zeros(), 1e-3);
+            estimator.update(&measured, &Coordinates::zeros(), 1e-3, None);
         }
         assert!((estimator.rates[0] - 0.2).abs() < 1e-9, "{}", estimator.rates[0]);
+    }
+
+    /// A body that falls freely under a constant force and torque, told that nothing accelerates it.
+    fn observed(observer: &DisturbanceObserver, duration: f64) -> Estimator {
+        let rig = RigFile::default().rig;
+        let wrench = Vector6::new(1.0, -2.0, 0.5, 0.02, 0.03, -0.01);
+        let acceleration = accelerations_of(&rig, &Pose::default(), &wrench);
+        let mut estimator = Estimator::at_rest(Pose::default());
+        for k in 1..=(duration * 1e3) as u32 {
+            let time = 1e-3 * f64::from(k);
+            let mut measured = Pose::default();
+            measured.0 += acceleration * (0.5 * time * time);
+            let disturbing = estimator.disturbing(&rig);
+            estimator.update(&measured, &disturbing, 1e-3, Some((&rig, observer)));
+        }
+        estimator.disturbance -= wrench;
+        estimator
+    }
+
+    #[test]
+    fn a_constant_wrench_is_found_at_the_speed_of_the_pole() {
+        let observer = DisturbanceObserver { pole: 10.0, force: 5.0, torque: 1.0 };
+        // Read as accelerations, for small turns.
+        let error = |duration| observed(&observer, duration).disturbance.fixed_rows::<3>(0).norm();
+        assert!(error(0.8) < 1e-2 && (error(0.4) / error(0.6) - 2f64.exp()).abs() < 0.5, "{}", error(0.8));
+    }
+
+    #[test]
+    fn no_more_is_estimated_than_the_bound() {
+        let observer = DisturbanceObserver { pole: 10.0, force: 1.0, torque: 0.01 };
+        let wrench = Vector6::new(1.0, -2.0, 0.5, 0.02, 0.03, -0.01);
+        let found = observed(&observer, 1.0).disturbance + wrench;
+        assert!((found.fixed_rows::<3>(0).norm() - 1.0).abs() < 1e-9, "{found}");
+        assert!((found.fixed_rows::<3>(3).norm() - 0.01).abs() < 1e-9, "{found}");
     }
 
     #[test]
@@ -65,7 +144,7 @@ mod tests {
         for k in 1..=1000 {
             let yaw: f64 = 3.1 + 1e-4 * f64::from(k);
             let measured = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, yaw.sin().atan2(yaw.cos())));
-            estimator.update(&measured, &Coordinates::zeros(), 1e-3);
+            estimator.update(&measured, &Coordinates::zeros(), 1e-3, None);
             assert!(estimator.rates[5].abs() < 0.11);
         }
         assert!((estimator.rates[5] - 0.1).abs() < 1e-9);

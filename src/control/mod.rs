@@ -11,7 +11,7 @@ pub mod response;
 pub mod tensions;
 
 pub use commands::Commands;
-pub use estimator::Estimator;
+pub use estimator::{DisturbanceObserver, Estimator};
 pub use force_loop::ForceLoop;
 pub use gains::Gains;
 pub use response::Response;

@@ -1,5 +1,6 @@
 //! Controller and planner in one: the flow of Fig. 4 around the law (4). Pose in, tensions out.
 
+use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use super::aim::{Search, WORK};
@@ -8,7 +9,7 @@ use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use crate::control::{Commands, Estimator, ForceLoop, Response, lyapunov, static_tensions};
-use crate::robot::{Coordinates, ParameterError, PerCable, Pose};
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, dynamics};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over.
 const STILL_AT_REST: f64 = 5.0;
@@ -100,7 +101,7 @@ impl Controller {
             self.begin(inputs);
         }
         let dt = time - self.time;
-        self.acceleration = self.commands.mean(self.time, time);
+        self.acceleration = self.commands.mean(self.time, time) + self.disturbing();
         self.time = time;
         self.hold = [hold, self.hold[0]];
         self.sense(inputs, dt);
@@ -154,7 +155,7 @@ impl Controller {
         };
         match (measured, jump) {
             (Ok(pose), Some(_)) => self.estimator = Estimator::at_rest(pose),
-            (Ok(pose), None) => self.estimator.update(&pose, &self.acceleration, dt),
+            (Ok(pose), None) => self.estimate(&pose, dt, was),
             (Err(_), _) => {}
         }
         if self.mode == Mode::Active && was != Mode::Active {
@@ -162,6 +163,23 @@ impl Controller {
         }
         if matches!(self.mode, Mode::Active | Mode::Disabled) {
             self.outputs.fault = Fault::NONE;
+        }
+    }
+
+    /// Takes in a measured pose. What disturbs is estimated only while it is known what the cables do.
+    fn estimate(&mut self, measured: &Pose, dt: f64, was: Mode) {
+        let is_known = was == Mode::Active && self.mode == Mode::Active;
+        let observer = self.planner.parameters.observer().filter(|_| is_known);
+        let observer = observer.as_ref().map(|observer| (self.planner.rig(), observer));
+        self.estimator.update(measured, &self.acceleration, dt, observer);
+        self.planner.parameters.rig.disturbance = self.estimator.disturbance;
+    }
+
+    /// What the estimated disturbance accelerates the coordinates by.
+    fn disturbing(&self) -> Coordinates {
+        match self.planner.parameters.observer() {
+            Some(_) => self.estimator.disturbing(self.planner.rig()),
+            None => Coordinates::zeros(),
         }
     }
 
@@ -197,6 +215,8 @@ impl Controller {
 
     /// The measured pose becomes the set point, and the planner's clock starts.
     fn start_here(&mut self) {
+        self.estimator.disturbance = Vector6::zeros();
+        self.planner.parameters.rig.disturbance = Vector6::zeros();
         self.outputs.set_point = self.estimator.pose;
         self.outputs.set_point_index = 0;
         self.started = self.time;
@@ -265,7 +285,7 @@ impl Controller {
     }
 
     fn situation(&self) -> Situation<'_> {
-        let Estimator { pose, rates } = &self.estimator;
+        let Estimator { pose, rates, .. } = &self.estimator;
         Situation {
             pose,
             rates,
@@ -312,13 +332,13 @@ impl Controller {
     /// Pose and rates for which the command of this step is computed: the estimate, or with `holdCompensation` what the closed form makes of
     /// it in the middle of the interval in which the command will act.
     fn when_it_acts(&self) -> (Pose, Coordinates) {
-        let Estimator { pose, rates } = self.estimator;
+        let Estimator { pose, rates, .. } = self.estimator;
         let parameters = &self.planner.parameters;
         if !parameters.hold_compensation {
             return (pose, rates);
         }
         let acts = self.time + parameters.command_delay;
-        let (pose, rates) = self.commands.carry(&pose, &rates, self.time, acts);
+        let (pose, rates) = self.commands.carry((&pose, &rates), &self.disturbing(), self.time, acts);
         let middle = Response::at(&parameters.gains(), 0.5 * self.hold[0]);
         let (pose, rates, _) = middle.motion_of(&pose, &rates, &self.outputs.set_point);
         (pose, rates)
@@ -332,11 +352,19 @@ impl Controller {
             desired
         };
         self.outputs.motor_tension = self.limited(command);
-        let (pose, rates) = self.when_it_acts();
         let parameters = &self.planner.parameters;
-        let imposed = lyapunov::acceleration(&parameters.gains(), &pose, &rates, &self.outputs.set_point);
         let delay = if parameters.hold_compensation { parameters.command_delay } else { 0.0 };
+        let imposed = self.imposed(&desired, desired != *tension) - self.disturbing();
         self.commands.send(self.time, self.time + delay, imposed);
+    }
+
+    /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
+    fn imposed(&self, pulled: &PerCable<f64>, is_clipped: bool) -> Coordinates {
+        let (pose, rates) = self.when_it_acts();
+        if is_clipped {
+            return dynamics::accelerations(self.planner.rig(), &pose, &rates, pulled);
+        }
+        lyapunov::acceleration(&self.planner.parameters.gains(), &pose, &rates, &self.outputs.set_point)
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
@@ -354,6 +382,8 @@ impl Controller {
         let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
+        self.outputs.disturbance = self.estimator.disturbance;
+        self.outputs.estimated_mass = estimated_mass(self.planner.rig());
         self.outputs.steady = steady;
         self.outputs.at_goal = at_goal;
         self.outputs.status = match self.mode {
@@ -373,6 +403,13 @@ impl Controller {
     }
 }
 
+/// The platform's mass if the disturbance is weight, kg.
+fn estimated_mass(rig: &Rig) -> f64 {
+    let gravity = rig.gravity.norm_squared();
+    let force = rig.disturbance.fixed_rows::<3>(0);
+    if gravity > 0.0 { rig.mass + force.dot(&rig.gravity) / gravity } else { rig.mass }
+}
+
 /// At rest at `pose`, which is the set point, with nothing commanded yet.
 fn outputs_at(pose: &Pose, least: &PerCable<f64>) -> ControllerOutputs {
     ControllerOutputs {
@@ -385,6 +422,8 @@ fn outputs_at(pose: &Pose, least: &PerCable<f64>) -> ControllerOutputs {
         at_goal: false,
         goal_distance: 0.0,
         tension_margin: 0.0,
+        disturbance: Vector6::zeros(),
+        estimated_mass: 0.0,
         status: Status::Disabled,
         fault: Fault::NONE,
     }

@@ -1,9 +1,10 @@
 //! What goes into the controller and what comes out: parameters, inputs, outputs.
 
+use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
-use crate::control::Gains;
+use crate::control::{DisturbanceObserver, Gains};
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
 
@@ -128,7 +129,22 @@ pub struct ControllerParameters {
     /// `hold_compensation`.
     #[serde(default)]
     pub command_delay: f64,
+    /// Largest constant force on the platform that is estimated and made up for, as a share of the weight; the largest torque is that force
+    /// at the platform's radius. 0 switches the observer off; `Bounded`, which is the paper's, has none.
+    #[serde(default = "observer_bound")]
+    pub observer_bound: f64,
 }
+
+/// A tenth of the weight.
+fn observer_bound() -> f64 {
+    0.1
+}
+
+/// How fast an error of the estimated disturbance decays, 1/s: slower than the observer of pose and velocity.
+const DISTURBANCE_POLE: f64 = 10.0;
+/// The same beside a force loop, which makes up for friction at 20 1/s: friction that changes its sign must not set the two against each
+/// other.
+const POLE_BESIDE_FORCE_LOOP: f64 = 2.0;
 
 /// What counts as at rest at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,6 +198,7 @@ impl Default for ControllerParameters {
             angle_tolerance: 0.0,
             hold_compensation: false,
             command_delay: 0.0,
+            observer_bound: observer_bound(),
         }
     }
 }
@@ -223,6 +240,10 @@ pub struct ControllerOutputs {
     pub goal_distance: f64,
     /// Smallest tension of any cable predicted from now on, N.
     pub tension_margin: f64,
+    /// Estimate of what acts on the platform besides cables and weight: (force, torque), N and N m, base frame; zero without observer.
+    pub disturbance: Vector6<f64>,
+    /// The platform's mass if all of that force is weight, kg: of use at rest.
+    pub estimated_mass: f64,
     /// What the controller is doing.
     pub status: Status,
     /// Why, if that is `SensorFault`.
@@ -233,6 +254,18 @@ impl ControllerParameters {
     /// λ₀ and η₀.
     pub fn gains(&self) -> Gains {
         Gains { lambda: self.lambda, eta: self.eta }
+    }
+
+    /// The observer of a constant disturbance, if there is one. Beside a force loop it estimates no torque: a light platform would be turned
+    /// to and fro by friction.
+    pub fn observer(&self) -> Option<DisturbanceObserver> {
+        let force = self.observer_bound * self.rig.weight();
+        let observer = if self.force_loop {
+            DisturbanceObserver { pole: POLE_BESIDE_FORCE_LOOP, force, torque: 0.0 }
+        } else {
+            DisturbanceObserver { pole: DISTURBANCE_POLE, force, torque: force * self.rig.platform_radius() }
+        };
+        (self.planner != PlannerKind::Bounded && force > 0.0).then_some(observer)
     }
 
     /// Names the first parameter that makes no sense.
@@ -262,6 +295,9 @@ impl ControllerParameters {
             delay,
             "must be finite and 0 or greater (s)",
         )?;
+        let bound = self.observer_bound;
+        let allowed = "must be from 0 to 1 (share of the weight)";
+        require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;
         if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {

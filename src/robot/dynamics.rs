@@ -29,13 +29,53 @@ pub fn required_wrench(
     let inertia = inertia(rig, pose);
     let torque = inertia * alpha + omega.cross(&(inertia * omega));
 
+    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z) - rig.disturbance
+}
+
+/// The accelerations of the coordinates that these tensions (N) give: Eq. (1) solved for x''.
+pub fn accelerations(rig: &Rig, pose: &Pose, rates: &Coordinates, tension: &[f64]) -> Coordinates {
+    let (force, torque) = rig.cables_at(pose).wrench(tension);
+    let wrench = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
+    accelerations_of(rig, pose, &(wrench - required_wrench(rig, pose, rates, &Coordinates::zeros())))
+}
+
+/// D(x)⁻¹ w: by how much a wrench (N, N m; base frame) accelerates the coordinates.
+pub fn accelerations_of(rig: &Rig, pose: &Pose, wrench: &Vector6<f64>) -> Coordinates {
+    let force = wrench.fixed_rows::<3>(0) / rig.mass;
+    // Both can be inverted: the inertia of a valid rig, and the rates of angles that tell the orientation.
+    let angular = inertia(rig, pose).try_inverse().unwrap_or_default() * wrench.fixed_rows::<3>(3);
+    let angles = pose.rate_matrix().try_inverse().unwrap_or_default() * angular;
+    Coordinates::new(force.x, force.y, force.z, angles.x, angles.y, angles.z)
+}
+
+/// D(x) x'': the wrench (N, N m; base frame) that accelerates the coordinates by this.
+pub fn wrench_of(rig: &Rig, pose: &Pose, accelerations: &Coordinates) -> Vector6<f64> {
+    let force = accelerations.fixed_rows::<3>(0) * rig.mass;
+    let torque = inertia(rig, pose) * (pose.rate_matrix() * accelerations.fixed_rows::<3>(3));
     Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{RobotParameters, TensionLimits};
+    use crate::control::tensions;
+    use crate::robot::{RigFile, RobotParameters, TensionLimits};
+
+    #[test]
+    fn tensions_give_the_accelerations_that_they_were_computed_for_also_under_a_disturbance() {
+        for text in [include_str!("../../rigs/paper.toml"), include_str!("../../rigs/eight.toml")] {
+            let RigFile { mut rig, home, .. } = RigFile::parse(text).unwrap();
+            (rig.inertia[(0, 1)], rig.inertia[(1, 0)]) = (0.005, 0.005);
+            rig.disturbance = Vector6::new(0.3, -0.2, 0.5, 0.01, -0.02, 0.03) * rig.mass;
+            let pose = Pose(home.0 + Coordinates::new(0.05, -0.04, 0.1, 0.1, -0.2, 0.3));
+            let rates = Coordinates::new(0.1, 0.2, -0.1, 0.3, 0.4, -0.5);
+            let wanted = Coordinates::new(0.5, -0.6, 0.7, 0.8, -0.9, 1.0);
+            let tension = tensions(&rig, &pose, &rates, &wanted, 0.0).unwrap();
+            assert!((accelerations(&rig, &pose, &rates, &tension) - wanted).amax() < 1e-9);
+            let wrench = wrench_of(&rig, &pose, &wanted);
+            assert!((accelerations_of(&rig, &pose, &wrench) - wanted).amax() < 1e-11);
+        }
+    }
 
     #[test]
     fn gyroscopic_torque_is_that_of_a_turning_body() {

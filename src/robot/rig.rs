@@ -87,6 +87,10 @@ pub struct Rig {
     pub gravity: Vector3<f64>,
     /// Anchors and attachments lie within this distance of where they are said to be, m.
     pub accuracy: f64,
+    /// What acts on the platform besides cables and weight: (force, torque about the centre of mass), N and N m, base frame. No rig file
+    /// says it: the controller's observer estimates it.
+    #[serde(default)]
+    pub disturbance: Vector6<f64>,
 }
 
 /// Why the cables of a rig cannot hold a platform.
@@ -137,6 +141,7 @@ impl Rig {
             inertia: Matrix3::from_diagonal(&Vector3::new(robot.i1, robot.i2, robot.i3)),
             gravity: Vector3::new(0.0, 0.0, robot.g),
             accuracy: 0.0,
+            disturbance: Vector6::zeros(),
         }
     }
 
@@ -184,10 +189,10 @@ impl Rig {
         self.mass * self.gravity.norm()
     }
 
-    /// The wrench that the cables must give at rest: the weight, upwards. (N, N m).
+    /// The wrench that the cables must give at rest: the weight, upwards, and against the disturbance. (N, N m).
     pub fn static_wrench(&self) -> Vector6<f64> {
         let force = self.gravity * -self.mass;
-        Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0)
+        Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0) - self.disturbance
     }
 
     /// Names the first number that makes no sense, as the FMU's parameters are called.

@@ -1,6 +1,6 @@
 //! Rigs written as TOML: what a file may say, and what is wrong with one that is refused (docs/rigs.md).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{JsonSchema, Schema, schema_for};
 use serde::Deserialize;
@@ -252,6 +252,7 @@ impl RigFile {
             inertia: check.inertia(&file.platform)?,
             gravity: file.frame.gravity(check.positive(&file.gravity, "gravity")?),
             accuracy: check.accuracy(file.accuracy.as_ref())?,
+            disturbance: Vector6::zeros(),
         };
         let pose = Pose::at(home.x, home.y, home.z);
         rig.check(&pose).map_err(|cause| RigFileError::Degenerate { line, cause })?;

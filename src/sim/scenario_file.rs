@@ -126,6 +126,7 @@ impl ScenarioFile {
             force_loop: given.force_loop.unwrap_or(base.force_loop),
             hold_compensation: given.hold_compensation.unwrap_or(base.hold_compensation),
             command_delay: or(&given.command_delay, base.command_delay),
+            observer_bound: or(&given.observer_bound, base.observer_bound),
             ..base
         }
     }
@@ -276,6 +277,7 @@ impl ScenarioFile {
             "eta" => ("controller.eta", start_of(&controller.eta)),
             "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),
             "commandDelay" => ("controller.command_delay", start_of(&controller.command_delay)),
+            "observerBound" => ("controller.observer_bound", start_of(&controller.observer_bound)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),
             "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),

@@ -227,8 +227,8 @@ impl<'a> Around<'a> {
 
         let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
         let alpha = angular(&self.actual) + spin * spin;
-        let weight =
-            self.commanded + Coordinates::from_fn(|k, _| if k < 3 { rig.gravity[k].abs() } else { 0.0 });
+        let lifted = |k: usize| rig.gravity[k].abs() + rig.disturbance[k].abs() / rig.mass;
+        let weight = self.commanded + Coordinates::from_fn(|k, _| if k < 3 { lifted(k) } else { 0.0 });
         let push = late + weight * margins.mass + Coordinates::repeat((force + margins.force) / rig.mass);
         let swing = margins.centre_of_mass * (alpha + spin * spin);
         let position = push * known + Coordinates::repeat(swing);

@@ -281,6 +281,7 @@ fn check(rig: &Rig, limits: &PerCable<TensionLimits>, step: &Step) -> Result<(),
     positive("mass", rig.mass)?;
     (0..3).try_for_each(|k| positive("inertia", rig.inertia[(k, k)]))?;
     finite("a component of gravity", rig.gravity.as_slice())?;
+    finite("a component of the disturbance", rig.disturbance.as_slice())?;
     finite("a coordinate of the start", step.start.0.as_slice())?;
     finite("a rate of the start", step.rates.as_slice())?;
     finite("a coordinate of the set point", step.set_point.0.as_slice())?;

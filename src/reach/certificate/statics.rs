@@ -2,7 +2,7 @@
 //!
 //! All in the platform's frame, where attachments and inertia are constant.
 
-use nalgebra::{Matrix6, Vector3};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::motion::Motion;
 use super::taylor::{ORDER, Taylor, combination};
@@ -200,7 +200,13 @@ fn required_wrench(rig: &Rig, motion: &Motion, orientation: &Orientation) -> [Ta
         change[k] + omega[next] * momentum[last] - omega[last] * momentum[next]
     });
     let [fx, fy, fz] = force.map(|component| component * rig.mass);
-    [fx, fy, fz, torque[0], torque[1], torque[2]]
+    let inertial = [fx, fy, fz, torque[0], torque[1], torque[2]];
+    if rig.disturbance == Vector6::zeros() {
+        return inertial;
+    }
+    let [force, torque] = [0, 3].map(|k| rig.disturbance.fixed_rows::<3>(k).into_owned());
+    let given = [force, torque].map(|v| orientation.turned_to_platform(&v));
+    std::array::from_fn(|k| inertial[k] - given[k / 3][k % 3])
 }
 
 fn arm_cross(arm: &Vector3<f64>, v: &Vector) -> Vector {

@@ -130,6 +130,9 @@ pub struct Controller {
     /// With that: from a measurement to the moment at which its command acts, s: 0 or greater; 0 if left out.
     #[schemars(with = "f64", default, extend("minimum" = 0))]
     pub command_delay: Option<Spanned<f64>>,
+    /// Largest constant force that is estimated and made up for, as a share of the weight: 0 (none) to 1; 0.1 if left out. `bounded` has none.
+    #[schemars(with = "f64", default, extend("minimum" = 0, "maximum" = 1))]
+    pub observer_bound: Option<Spanned<f64>>,
 }
 
 fn planner<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PlannerKind>, D::Error> {

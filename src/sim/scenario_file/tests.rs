@@ -43,6 +43,9 @@ min_tension = 1.0
 max_tension = 50.0
 pose_source = "cable_lengths"
 force_loop = true
+hold_compensation = true
+command_delay = 0.002
+observer_bound = 0.2
 "#;
 
 fn scenario(text: &str) -> Result<Scenario, ScenarioFileError> {
@@ -71,6 +74,9 @@ fn every_field_is_read() {
         planner: PlannerKind::Exact,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
+        hold_compensation: true,
+        command_delay: 0.002,
+        observer_bound: 0.2,
         ..ControllerParameters::default()
     };
     let plant = PlantParameters {
@@ -208,6 +214,8 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
             "controller.eta = 2000 is not allowed: must be greater than 0 and at",
         ),
         ("min_tension = 1.0", "min_tension = -1", "min_tension", "controller.min_tension = -1"),
+        ("command_delay = 0.002", "command_delay = -1", "command_delay", "controller.command_delay = -1"),
+        ("observer_bound = 0.2", "observer_bound = 2", "observer_bound", "controller.observer_bound = 2"),
         ("max_tension = 50.0", "max_tension = 0.5", "max_tension", "controller.max_tension = 0.5"),
     ] {
         let error = refusal(from, to);
