@@ -27,6 +27,8 @@ struct End {
     smallest: f64,
     /// Largest force that was estimated, N.
     largest_force: f64,
+    /// Farthest from the start, m.
+    farthest: f64,
 }
 
 impl Run {
@@ -61,19 +63,21 @@ impl Run {
             ..PlantInputs::none(6)
         };
         let mut plant = Plant::new(self.plant, &pull).unwrap();
-        let (mut smallest, mut largest_force) = (f64::INFINITY, 0.0f64);
+        let (mut smallest, mut largest_force, mut farthest) = (f64::INFINITY, 0.0f64, 0.0f64);
         for k in 0..(6.0 / self.step) as u32 {
             controller.step(f64::from(k) * self.step, self.step, &self.inputs(plant.outputs()));
             pull.motor_tension = controller.outputs().motor_tension;
             plant.step(&pull, self.step).unwrap();
             let slack = plant.outputs().slack != [false; 6];
             smallest = pull.motor_tension.iter().copied().fold(smallest, f64::min) * f64::from(!slack);
+            let way = plant.outputs().encoder_pose.position() - self.plant.initial_pose.position();
+            farthest = farthest.max(way.norm());
             largest_force = largest_force.max(controller.outputs().disturbance.fixed_rows::<3>(0).norm());
         }
         let outputs = *controller.outputs();
         let off = plant.outputs().encoder_pose.minus(&self.goal);
         let (distance, turn) = (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).amax());
-        End { outputs, distance, turn, smallest, largest_force }
+        End { outputs, distance, turn, smallest, largest_force, farthest }
     }
 
     /// How it ends with the observer, and without.
@@ -82,7 +86,7 @@ impl Run {
         self.controller.observer_bound = 0.0;
         let ends = [with, self.end()];
         for (end, which) in ends.iter().zip(["with", "without"]) {
-            let End { outputs, distance, turn, smallest, largest_force } = end;
+            let End { outputs, distance, turn, smallest, largest_force, .. } = end;
             println!(
                 "{what}, {which} observer: {:?}, {:.3} mm and {:.2} mrad off, smallest tension {smallest:.3} N, mass {:.4} kg, \
                  force at most {largest_force:.1e} N",
@@ -116,6 +120,15 @@ fn a_force_that_lasts_displaces_the_platform_only_for_a_while() {
     let [with, without] = run.both("1 N along x");
     assert!(with.distance < 1e-5 && without.distance > 0.015, "{} m, {} m", with.distance, without.distance);
     assert!((with.outputs.disturbance[0] - 1.0).abs() < 1e-4, "{}", with.outputs.disturbance);
+    // The bound of docs/controller.md, for λ = η = 3.
+    run.goal = run.plant.initial_pose;
+    run.controller.observer_bound = 0.1;
+    let farthest = run.end().farthest;
+    let (p, q, largest_phi) = (10.0, 100.0, (-1f64).exp() / 3.0);
+    let time = 1.0 / p + 2.0 / q + 6.0 * (2.0 / (p * q) + 1.0 / (q * q)) + 9.0 / (p * q * q);
+    let most = 1.0 / 6.0 * largest_phi * time;
+    println!("displaced by {:.2} mm, at most {:.2} mm", 1e3 * farthest, 1e3 * most);
+    assert!(farthest < most && farthest > 0.9 * most, "{farthest} m, bound {most} m");
     run.controller.observer_bound = 0.5 / run.controller.rig.weight();
     assert!((run.end().largest_force - 0.5).abs() < 1e-9, "the bound is not kept");
 }
