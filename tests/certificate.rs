@@ -301,6 +301,7 @@ const MARGINS: Margins = Margins {
     force: 0.05,
     torque: 0.001,
     friction: 0.001,
+    accuracy: 3e-5,
     sample_period: PERIOD,
     delay: PERIOD,
 };
@@ -330,12 +331,13 @@ impl Imperfect {
         let mut initial_pose = *start;
         let centre = start.position() - start.rotation() * offset;
         initial_pose.0.fixed_rows_mut::<3>(0).copy_from(&centre);
-        let parameters = PlantParameters {
-            rig: Rig::paper(&robot, TAUT),
-            initial_pose,
-            friction: MARGINS.friction,
-            ..Default::default()
-        };
+        let mut rig = Rig::paper(&robot, TAUT);
+        for cable in rig.cables.iter_mut() {
+            cable.anchor += random_vector(rng, MARGINS.accuracy);
+            cable.attachment += random_vector(rng, MARGINS.accuracy);
+        }
+        let parameters =
+            PlantParameters { rig, initial_pose, friction: MARGINS.friction, ..Default::default() };
         Self { plant: Plant::new(parameters, &PlantInputs::none(6)).unwrap(), offset }
     }
 
@@ -449,6 +451,9 @@ fn margins_that_table_i_bears() {
     assert!(borne(&light, Margins { friction: 2e-3, ..none }));
     assert!(!borne(&light, Margins { centre_of_mass: 1e-4, ..none }));
     assert!(borne(&disc(), Margins { centre_of_mass: 1e-4, ..none }));
+    assert!(borne(&light, Margins { accuracy: 1e-5, ..none }));
+    assert!(borne(&disc(), Margins { accuracy: 1e-4, ..none }));
+    assert!(!borne(&disc(), Margins { accuracy: 1e-3, ..none }));
 }
 
 #[test]

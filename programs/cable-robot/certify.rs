@@ -47,6 +47,9 @@ pub struct Certify {
     /// Friction that no force loop makes up for, N a cable
     #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     friction: f64,
+    /// Distance of anchors and attachments from where the rig file says they are, m; the rig file's `accuracy` if left out
+    #[arg(long, value_parser = bound, allow_negative_numbers = true)]
+    accuracy: Option<f64>,
     /// Longest time for which a command is held, s
     #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     sample_period: f64,
@@ -63,7 +66,8 @@ impl Certify {
         let file = self.rig.read()?;
         let gains = Gains { lambda: file.lambda, eta: file.eta };
         let step = Step { start: self.from, rates: self.rates, set_point: self.to, gains };
-        let verdict = earliest(&file.rig, &step, certify_with_margins(&file.rig, &step, &self.margins())?);
+        let verdict =
+            earliest(&file.rig, &step, certify_with_margins(&file.rig, &step, &self.margins(&file.rig))?);
         if self.json {
             self.show_json(&verdict)?
         } else {
@@ -72,13 +76,14 @@ impl Certify {
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }
 
-    fn margins(&self) -> Margins {
+    fn margins(&self, rig: &Rig) -> Margins {
         Margins {
             mass: self.mass_error,
             centre_of_mass: self.centre_of_mass_error,
             force: self.force,
             torque: self.torque,
             friction: self.friction,
+            accuracy: self.accuracy.unwrap_or(rig.accuracy),
             sample_period: self.sample_period,
             delay: self.delay,
         }

@@ -3,6 +3,7 @@
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
+use super::Gains;
 use crate::robot::dynamics::{accelerations_of, wrench_of};
 use crate::robot::{Coordinates, Pose, Rig};
 
@@ -18,6 +19,15 @@ pub struct DisturbanceObserver {
     pub force: f64,
     /// Largest torque, N m.
     pub torque: f64,
+}
+
+impl DisturbanceObserver {
+    /// What a disturbance that begins does through the law before it is found, integrated over all time, in units of its size: s. Derived in
+    /// docs/controller.md.
+    pub fn time(&self, gains: &Gains) -> f64 {
+        let (p, q, sum) = (self.pole, OBSERVER_POLE, gains.lambda + gains.eta);
+        1.0 / p + 2.0 / q + sum * (2.0 / (p * q) + 1.0 / (q * q)) + gains.omega_n_squared() / (p * q * q)
+    }
 }
 
 /// An observer of each coordinate with a double pole. It is told the acceleration that the law imposes, so that it has no lag

@@ -162,9 +162,10 @@ const REST_ANGLE: f64 = 1e-2;
 const WIDEST_REST: f64 = 1e-2;
 
 impl ControllerParameters {
-    /// The parameters of Table II for a rig. The planner is `Exact` where the rig is not the paper's.
+    /// The parameters of Table II for a rig. The planner is `Exact` where the rig is not the paper's, or not known exactly.
     pub fn of(rig: &Rig) -> Self {
-        let planner = if Shape::of(rig).is_ok() { PlannerKind::Bounded } else { PlannerKind::Exact };
+        let is_paper = Shape::of(rig).is_ok() && rig.accuracy == 0.0;
+        let planner = if is_paper { PlannerKind::Bounded } else { PlannerKind::Exact };
         Self { rig: *rig, planner, ..Self::default() }
     }
 
@@ -298,6 +299,11 @@ impl ControllerParameters {
         let bound = self.observer_bound;
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;
+        if self.planner == PlannerKind::Bounded && self.rig.accuracy > 0.0 {
+            let allowed =
+                "must be 0 (m) with the planner Bounded, which leaves nothing for it: choose Exact (2)";
+            require(false, "accuracy", self.rig.accuracy, allowed)?;
+        }
         if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {

@@ -1,5 +1,6 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
+mod accuracy;
 mod aim;
 pub mod bisection;
 mod bounded;

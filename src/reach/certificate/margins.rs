@@ -30,6 +30,8 @@ pub struct Margins {
     pub torque: f64,
     /// Difference of what a cable pulls from what was commanded, N: friction that no force loop makes up for.
     pub friction: f64,
+    /// Distance of anchors and attachments from where the rig says they are, m.
+    pub accuracy: f64,
     /// Longest time for which a command is held, s.
     pub sample_period: f64,
     /// Age of the pose and velocity that a command is computed from, s.
@@ -106,11 +108,9 @@ impl Tube {
     }
 }
 
-/// Greatest value of φ: e^(-μt)/M at t = ln(M/μ)/(M - μ).
+/// Greatest value of φ.
 fn largest_phi(step: &Step) -> f64 {
-    let (slow, fast) = (step.slow_rate(), step.fast_rate());
-    let peak = if slow == fast { 1.0 / slow } else { ((fast - slow) / slow).ln_1p() / (fast - slow) };
-    (-slow * peak).exp() / fast * UPWARDS
+    step.gains.largest_phi() * UPWARDS
 }
 
 /// Greatest |x - x_d| of each coordinate.
@@ -210,28 +210,38 @@ impl<'a> Around<'a> {
     /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
     fn disturbance(&self, extent: &Extent) -> Option<Coordinates> {
         let Self { rig, margins, age, .. } = *self;
-        let radius = rig.platform_radius();
+        // True cables may be shorter, and hold the platform farther out, than is believed.
+        let radius = rig.platform_radius() + margins.accuracy;
+        let shortest = extent.shortest - 2.0 * margins.accuracy;
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
         let told = self.told();
         let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &told, k));
-        if extent.shortest <= 0.0 || lost_angles(self.step, &told).is_some() {
+        if shortest <= 0.0 || lost_angles(self.step, &told).is_some() {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
         let friction = rig.cables.len() as f64 * margins.friction;
-        let force = extent.pull * age * (speed + spin * radius) / extent.shortest + friction;
+        // By how much cables run in other directions than is believed.
+        let bent = 2.0 * margins.accuracy / shortest;
+        let swing = (speed + spin * radius) / shortest;
+        let force = extent.pull * (age * swing + bent) + friction;
         let [dx, dy, dz, d_roll, d_pitch, d_yaw]: [f64; 6] = self.rates.into();
         let twist = [dx, dy, dz, d_roll + pitch * d_yaw, d_pitch + roll * d_yaw, d_yaw + roll * d_pitch];
-        let turned = |k: usize| (0..6).map(|j| extent.stiffness[k][j] * twist[j]).sum::<f64>() * age;
-        let torque = Vector3::from_fn(|k, _| turned(k) + radius * friction);
+        // The stiffness is that of the rig as it is believed to be; the true one differs by this share of all its terms' sizes.
+        let differs = 2.0 * margins.accuracy / rig.platform_radius() + 3.0 * bent;
+        let unknown = extent.pull * radius * (spin + swing) * differs;
+        let turned =
+            |k: usize| ((0..6).map(|j| extent.stiffness[k][j] * twist[j]).sum::<f64>() + unknown) * age;
+        let misplaced = extent.pull * (radius * bent + margins.accuracy);
+        let torque = Vector3::from_fn(|k, _| turned(k) + misplaced + radius * friction);
 
         let (late, known) = (self.late(), 1.0 / (1.0 - margins.mass));
         let alpha = angular(&self.actual) + spin * spin;
         let lifted = |k: usize| rig.gravity[k].abs() + rig.disturbance[k].abs() / rig.mass;
         let weight = self.commanded + Coordinates::from_fn(|k, _| if k < 3 { lifted(k) } else { 0.0 });
         let push = late + weight * margins.mass + Coordinates::repeat((force + margins.force) / rig.mass);
-        let swing = margins.centre_of_mass * (alpha + spin * spin);
-        let position = push * known + Coordinates::repeat(swing);
+        let around = margins.centre_of_mass * (alpha + spin * spin);
+        let position = push * known + Coordinates::repeat(around);
 
         let pull = rig.mass * (linear(&weight) + linear(&late)) + force;
         // Of the inertia tensor its norm, and what its inverse makes of a torque.

@@ -297,6 +297,7 @@ fn check_margins(margins: &Margins) -> Result<(), CertificateError> {
         ("margins.force", margins.force),
         ("margins.torque", margins.torque),
         ("margins.friction", margins.friction),
+        ("margins.accuracy", margins.accuracy),
         ("margins.sample_period", margins.sample_period),
         ("margins.delay", margins.delay),
     ] {

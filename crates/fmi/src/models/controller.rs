@@ -26,7 +26,7 @@ pub fn start(interface: &Interface, values: &Values, time: f64) -> Result<Contro
 
 /// Rig, gains, planner and limits in `values`.
 pub fn controller_parameters(interface: &Interface, values: &Values) -> ControllerParameters {
-    let rig = match interface.rig() {
+    let mut rig = match interface.rig() {
         Some(rig) => rig_with_limits(values, rig),
         None => {
             // -0 is 0
@@ -35,6 +35,7 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
             Rig::paper(&parameters(values), limits)
         }
     };
+    rig.accuracy = values.scalar(&ACCURACY);
     ControllerParameters {
         rig,
         lambda: values.scalar(&LAMBDA),
@@ -104,6 +105,7 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&HOLD_COMPENSATION, [parameters.hold_compensation.into()]);
     values.write(&COMMAND_DELAY, [parameters.command_delay]);
     values.write(&OBSERVER_BOUND, [parameters.observer_bound]);
+    values.write(&ACCURACY, [parameters.rig.accuracy]);
 }
 
 /// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.

@@ -185,6 +185,16 @@ pub const OBSERVER_BOUND: Row = Row {
          platform's radius. 0: no observer. The planner Bounded has none",
     )
 };
+pub const ACCURACY: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        22,
+        "accuracy",
+        &METRE,
+        &[0.0],
+        "Anchors and attachments lie within this distance of where they are said to be: the planner Exact leaves room for it",
+    )
+};
 pub const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -396,6 +406,7 @@ pub const ROWS: &[&Row] = &[
     &HOLD_COMPENSATION,
     &COMMAND_DELAY,
     &OBSERVER_BOUND,
+    &ACCURACY,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
