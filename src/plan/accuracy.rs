@@ -93,28 +93,3 @@ fn torque_of_geometry(rig: &Rig, pose: &Pose) -> Option<Vector3<f64>> {
     };
     Some(Vector3::from_fn(|k, _| rig.accuracy * about(Vector3::ith(k, 1.0))))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::robot::{RobotParameters, TensionLimits};
-
-    fn parameters(inertia: [f64; 3], accuracy: f64) -> ControllerParameters {
-        let [i1, i2, i3] = inertia;
-        let robot = RobotParameters { i1, i2, i3, ..RobotParameters::default() };
-        let mut rig = Rig::paper(&robot, TensionLimits { min: 0.0, max: 100.0 });
-        rig.accuracy = accuracy;
-        ControllerParameters { lambda: 5.0, eta: 5.0, ..ControllerParameters::of(&rig) }
-    }
-
-    #[test]
-    fn table_i_is_refused_with_what_it_bears_and_a_disc_bears_a_millimetre() {
-        let (disc, light) = ([0.125, 0.125, 0.25], [0.018, 0.018, 0.075]);
-        let start = Pose::default();
-        assert_eq!(check_start(&parameters(disc, 1e-3), &start), Ok(()));
-        let refused = check_start(&parameters(light, 5e-3), &start).unwrap_err().to_string();
-        println!("{refused}");
-        println!("{}", check_start(&parameters(disc, 0.1), &start).unwrap_err());
-        assert!(refused.contains("parameter accuracy = 0.005") && refused.contains("at most"), "{refused}");
-    }
-}

@@ -12,8 +12,9 @@ use super::prediction::Prediction;
 use crate::control::{Commands, Estimator, ForceLoop, Response, lyapunov, static_tensions};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, dynamics};
 
-/// `steady` ends when the tolerances of rest are exceeded this many times over.
-const STILL_AT_REST: f64 = 5.0;
+/// `steady` ends when the tolerances of rest are exceeded this many times over, those of the pose and those of the rates: what encoders jump by
+/// makes the estimated rates jump by 37/s of it.
+const STILL_AT_REST: [f64; 2] = [5.0, 10.0];
 
 /// Controller and planner with all their memory: plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -248,7 +249,10 @@ impl Controller {
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
         let set_point = self.outputs.set_point;
         let goal = &self.take_goal(goal);
-        let next = self.planner.next_set_point(&self.situation(), &self.aim);
+        // A new set point changes the motion only from where its first command acts.
+        let (pose, rates) = self.when_it_begins_to_act();
+        let then = Situation { pose: &pose, rates: &rates, ..self.situation() };
+        let next = self.planner.next_set_point(&then, &self.aim);
         let stuck = self.is_steady()
             && next.is_none()
             && set_point != self.aim
@@ -331,16 +335,26 @@ impl Controller {
         lyapunov::tension_command(self.planner.rig(), &gains, &pose, &rates, &self.outputs.set_point, margin)
     }
 
-    /// Pose and rates for which the command of this step is computed: the estimate, or with `holdCompensation` what the closed form makes of
-    /// it in the middle of the interval in which the command will act.
-    fn when_it_acts(&self) -> (Pose, Coordinates) {
+    /// Pose and rates when the command of this step begins to act: with `holdCompensation` the estimate carried through the commands that are on
+    /// their way, else the estimate.
+    fn when_it_begins_to_act(&self) -> (Pose, Coordinates) {
         let Estimator { pose, rates, .. } = self.estimator;
         let parameters = &self.planner.parameters;
         if !parameters.hold_compensation {
             return (pose, rates);
         }
         let acts = self.time + parameters.command_delay;
-        let (pose, rates) = self.commands.carry((&pose, &rates), &self.disturbing(), self.time, acts);
+        self.commands.carry((&pose, &rates), &self.disturbing(), self.time, acts)
+    }
+
+    /// Pose and rates for which the command of this step is computed: with `holdCompensation` what the closed form makes of those when it begins
+    /// to act in the middle of the interval in which it does.
+    fn when_it_acts(&self) -> (Pose, Coordinates) {
+        let (pose, rates) = self.when_it_begins_to_act();
+        let parameters = &self.planner.parameters;
+        if !parameters.hold_compensation {
+            return (pose, rates);
+        }
         let middle = Response::at(&parameters.gains(), 0.5 * self.hold[0]);
         let (pose, rates, _) = middle.motion_of(&pose, &rates, &self.outputs.set_point);
         (pose, rates)
@@ -379,8 +393,8 @@ impl Controller {
 
     fn report(&mut self, goal: &Pose) {
         // Once at rest, noise does not end it at once.
-        let factor = if self.outputs.steady { STILL_AT_REST } else { 1.0 };
-        let steady = self.mode == Mode::Active && self.situation().is_steady_within(factor);
+        let [of_pose, of_rates] = if self.outputs.steady { STILL_AT_REST } else { [1.0; 2] };
+        let steady = self.mode == Mode::Active && self.situation().is_steady_within(of_pose, of_rates);
         let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;

@@ -16,6 +16,9 @@ const SPARE: f64 = 0.0017;
 /// through on the way, for each unit of (λ₀ + η₀) times the step.
 const SPARE_HELD: f64 = 0.5;
 
+/// The same with `hold_compensation`, for each unit of (λ₀ + η₀)² times the step and the step and delay together.
+const SPARE_COMPENSATED: f64 = 0.25;
+
 /// What a robot that rests with less than the allowance may keep of it, as a part of what is left.
 const LEFT: f64 = 0.9;
 
@@ -83,8 +86,21 @@ impl Planner {
             _ => None,
         };
         let Some(range_seen) = range(least) else { return false };
-        let held = SPARE_HELD * (gains.lambda + gains.eta) * now.hold * range_seen;
+        let held = self.share_of_holding(now.hold) * range_seen;
         held <= least || range(held).is_some()
+    }
+}
+
+impl Planner {
+    /// What holding the commands costs, as a part of the range that the tensions go through on the way.
+    fn share_of_holding(&self, hold: f64) -> f64 {
+        let parameters = &self.parameters;
+        let sum = parameters.lambda + parameters.eta;
+        if parameters.hold_compensation {
+            SPARE_COMPENSATED * sum * sum * hold * (hold + parameters.command_delay)
+        } else {
+            SPARE_HELD * sum * hold
+        }
     }
 }
 

@@ -123,7 +123,7 @@ pub struct ControllerParameters {
     /// The same for each angle, rad and rad/s; 0 for the default.
     pub angle_tolerance: f64,
     /// Whether the law is evaluated for the interval in which the command will act, not for the instant of the measurement.
-    #[serde(default)]
+    #[serde(default = "hold_compensation")]
     pub hold_compensation: bool,
     /// From a measurement to the moment at which its command acts, s; 0 if the controller is stepped before the plant. Used with
     /// `hold_compensation`.
@@ -133,6 +133,10 @@ pub struct ControllerParameters {
     /// at the platform's radius. 0 switches the observer off; `Bounded`, which is the paper's, has none.
     #[serde(default = "observer_bound")]
     pub observer_bound: f64,
+}
+
+fn hold_compensation() -> bool {
+    true
 }
 
 /// A tenth of the weight.
@@ -197,7 +201,7 @@ impl Default for ControllerParameters {
             force_loop: false,
             position_tolerance: 0.0,
             angle_tolerance: 0.0,
-            hold_compensation: false,
+            hold_compensation: hold_compensation(),
             command_delay: 0.0,
             observer_bound: observer_bound(),
         }

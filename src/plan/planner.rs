@@ -37,17 +37,17 @@ pub struct Situation<'a> {
 impl Situation<'_> {
     /// The steady-state test of Fig. 4: at rest at the set point, to within what counts as that.
     pub fn is_steady(&self) -> bool {
-        self.is_steady_within(1.0)
+        self.is_steady_within(1.0, 1.0)
     }
 
-    /// The same with all tolerances multiplied.
-    pub fn is_steady_within(&self, factor: f64) -> bool {
+    /// The same with the tolerances of the pose and of the rates multiplied.
+    pub fn is_steady_within(&self, of_pose: f64, of_rates: f64) -> bool {
         let error = self.pose.minus(self.set_point);
-        let (position, angle) = (factor * self.rest.position, factor * self.rest.angle);
-        error.fixed_rows::<3>(0).norm() < position
-            && error.fixed_rows::<3>(3).amax() < angle
-            && self.rates.fixed_rows::<3>(0).norm() < position
-            && self.rates.fixed_rows::<3>(3).amax() < angle
+        let is_within = |q: &Coordinates, factor: f64| {
+            q.fixed_rows::<3>(0).norm() < factor * self.rest.position
+                && q.fixed_rows::<3>(3).amax() < factor * self.rest.angle
+        };
+        is_within(&error, of_pose) && is_within(self.rates, of_rates)
     }
 
     /// Whether the motion is, to within what counts as rest, and a step to `goal` would be, a translation of the paper's robot with zero

@@ -90,7 +90,7 @@ fn any_step(rng: &mut Pcg64) -> Option<Case> {
     matches!(certify(&rig, &step), Ok(Verdict::Admissible { .. })).then_some(Case { rig, step })
 }
 
-fn random_robot(rng: &mut Pcg64) -> RobotParameters {
+pub fn random_robot(rng: &mut Pcg64) -> RobotParameters {
     let a = rng.random_range(0.2..2.0);
     RobotParameters {
         a,

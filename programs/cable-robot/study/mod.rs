@@ -1,6 +1,7 @@
 //! `cable-robot study`: the claims about the reachable domains, as figures that anyone can make again.
 
 mod cases;
+mod held;
 mod margins;
 mod plant;
 mod rigs;
@@ -29,6 +30,9 @@ pub enum Study {
     /// Steps accepted with margins, run on the packed plant with everything wrong at once that they allow
     #[command(after_help = margins::EXAMPLE)]
     Margins(margins::Margins),
+    /// Commands that are held and late: random rigs, gains, steps and goals in closed loop, and where cables go slack
+    #[command(after_help = held::EXAMPLE)]
+    Held(held::Held),
     /// Every rig of a folder: workspace, planner, and goals through its packed FMUs
     #[command(after_help = rigs::EXAMPLE)]
     Rigs(rigs::Rigs),
@@ -43,6 +47,7 @@ impl Study {
             Study::Soundness(study) => study.run(),
             Study::Tightness(study) => study.run(),
             Study::Margins(study) => study.run(),
+            Study::Held(study) => study.run(),
             Study::Rigs(study) => study.run(),
             Study::Time(study) => study.run(),
         }

@@ -124,7 +124,7 @@ pub struct Controller {
     /// Whether the load cells correct the motors (Section VII); false if left out.
     #[schemars(with = "bool", default)]
     pub force_loop: Option<bool>,
-    /// Whether the law is evaluated for the interval in which its command acts; false if left out.
+    /// Whether the law is evaluated for the interval in which its command acts, not for the measurement; true if left out.
     #[schemars(with = "bool", default)]
     pub hold_compensation: Option<bool>,
     /// With that: from a measurement to the moment at which its command acts, s: 0 or greater; 0 if left out.

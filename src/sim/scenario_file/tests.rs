@@ -43,7 +43,7 @@ min_tension = 1.0
 max_tension = 50.0
 pose_source = "cable_lengths"
 force_loop = true
-hold_compensation = true
+hold_compensation = false
 command_delay = 0.002
 observer_bound = 0.2
 "#;
@@ -74,7 +74,7 @@ fn every_field_is_read() {
         planner: PlannerKind::Exact,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
-        hold_compensation: true,
+        hold_compensation: false,
         command_delay: 0.002,
         observer_bound: 0.2,
         ..ControllerParameters::default()

@@ -159,7 +159,7 @@ pub const HOLD_COMPENSATION: Row = setting(
     19,
     "holdCompensation",
     Kind::Boolean,
-    &[0.0],
+    &[1.0],
     "Whether the law is evaluated for the interval in which the command will act, instead of the instant of the measurement",
 );
 pub const COMMAND_DELAY: Row = Row {
