@@ -10,6 +10,13 @@ use crate::robot::{Coordinates, Pose, Rig};
 /// Decay of an estimation error, 1/s: far above the gains of the law, far below the sampling of a rig.
 const OBSERVER_POLE: f64 = 100.0;
 
+/// How much the accelerations of the law jump, 1/s², for each unit by which a measured coordinate jumps: λη of the pose, (λ + η) of the rate,
+/// which jumps by q/e a second (q the pole), and of the disturbance by p q/e (p its pole).
+pub fn jump_of_acceleration(gains: &Gains, disturbance_pole: f64) -> f64 {
+    let of_rates = OBSERVER_POLE / std::f64::consts::E;
+    gains.omega_n_squared() + of_rates * (gains.lambda + gains.eta + disturbance_pole)
+}
+
 /// How a constant disturbance is estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisturbanceObserver {

@@ -6,15 +6,15 @@ pub mod distribution;
 pub mod estimator;
 pub mod force_loop;
 pub mod gains;
-pub mod geometry;
 pub mod lyapunov;
 pub mod response;
+pub mod sensitivity;
 pub mod tensions;
 
 pub use commands::Commands;
 pub use estimator::{DisturbanceObserver, Estimator};
 pub use force_loop::ForceLoop;
 pub use gains::Gains;
-pub use geometry::geometry_margin;
 pub use response::Response;
+pub use sensitivity::Sensitivity;
 pub use tensions::{Barrier, barrier, static_margin, static_tensions, tensions};

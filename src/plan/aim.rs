@@ -102,7 +102,7 @@ impl Planner {
         }
         let target = within(&middle, goal, self.far);
         // G = g (a/2 - n·p) at rest, and u ≥ u_min where G ≥ 3 a u_min/m.
-        let least = self.rig().common_limits().min + kept + self.accuracy_at(&middle);
+        let least = self.rig().common_limits().min + kept + self.unknown_at(&middle);
         let margin = 3.0 * shape.robot.a * least / (shape.robot.m * shape.robot.g);
         let place = nearest_inside(&shape, &horizontal(&shape.to_paper(&target)), margin)?;
         in_plane.0.fixed_rows_mut::<2>(0).copy_from(&place);
@@ -180,7 +180,7 @@ impl Planner {
 
     /// `None` if the step does not end at a pose at which the robot can rest.
     fn nearer(&self, at: &Pose, target: &Pose, kept: f64, free: usize, reach: f64) -> Option<Pose> {
-        let within = kept + self.accuracy_at(at);
+        let within = kept + self.unknown_at(at);
         let mut next = Tangents::new(self, at, free)?.step(self, Some(target), within, reach)?;
         for _ in 0..CORRECTIONS {
             if self.rests_at(&next, kept) {

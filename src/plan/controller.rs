@@ -3,7 +3,6 @@
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
-use super::accuracy::check_start;
 use super::aim::{Search, WORK};
 use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
@@ -68,7 +67,7 @@ impl Controller {
         inputs: &ControllerInputs,
     ) -> Result<Self, ParameterError> {
         parameters.validate()?;
-        check_start(&parameters, &inputs.encoder_pose)?;
+        parameters.check_start(&inputs.encoder_pose)?;
         let planner = Planner::from(parameters);
         let outputs = outputs_at(&inputs.encoder_pose, &least(&planner));
         let estimator = Estimator::at_rest(inputs.encoder_pose);

@@ -133,6 +133,15 @@ pub struct ControllerParameters {
     /// at the platform's radius. 0 switches the observer off; `Bounded`, which is the paper's, has none.
     #[serde(default = "observer_bound")]
     pub observer_bound: f64,
+    /// By which share the platform's mass may differ from the rig's.
+    #[serde(default)]
+    pub mass_tolerance: f64,
+    /// Smallest change of a cable's length that the encoders see, m.
+    #[serde(default)]
+    pub encoder_resolution: f64,
+    /// Largest force on the platform that is not known, N; the largest torque is that force at the platform's radius. Friction counts as one.
+    #[serde(default)]
+    pub disturbance_bound: f64,
 }
 
 fn hold_compensation() -> bool {
@@ -204,6 +213,9 @@ impl Default for ControllerParameters {
             hold_compensation: hold_compensation(),
             command_delay: 0.0,
             observer_bound: observer_bound(),
+            mass_tolerance: 0.0,
+            encoder_resolution: 0.0,
+            disturbance_bound: 0.0,
         }
     }
 }
@@ -300,14 +312,17 @@ impl ControllerParameters {
             delay,
             "must be finite and 0 or greater (s)",
         )?;
+        let share = self.mass_tolerance;
+        require((0.0..1.0).contains(&share), "massTolerance", share, "must be 0 or greater and below 1")?;
+        for (name, value) in
+            [("encoderResolution", self.encoder_resolution), ("disturbanceBound", self.disturbance_bound)]
+        {
+            require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
+        }
         let bound = self.observer_bound;
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;
-        if self.planner == PlannerKind::Bounded && self.rig.accuracy > 0.0 {
-            let allowed =
-                "must be 0 (m) with the planner Bounded, which leaves nothing for it: choose Exact (2)";
-            require(false, "accuracy", self.rig.accuracy, allowed)?;
-        }
+        self.check_planner()?;
         if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {

@@ -1,6 +1,5 @@
 //! Section V: the planner, and the controller that executes what it plans.
 
-mod accuracy;
 mod aim;
 pub mod bisection;
 mod bounded;
@@ -11,6 +10,7 @@ pub mod fault;
 pub mod interface;
 #[cfg(feature = "clarabel")]
 pub mod linear_program;
+mod margins;
 #[cfg(feature = "clarabel")]
 pub mod nearest;
 pub mod planner;

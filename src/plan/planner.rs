@@ -152,10 +152,10 @@ impl Planner {
         (pose.position() - self.middle).amax() <= self.far
     }
 
-    /// How far inside its limits every tension can be at rest, N, whatever the geometry within its accuracy; less than nothing where the robot cannot be at rest.
+    /// How far inside its limits every tension can be at rest, N, whatever is not known of it; less than nothing where the robot cannot be at rest.
     pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
         let is_sensible = self.rig().can_be_at(pose) && self.is_near(pose) && pose.0[PITCH].abs() < STEEPEST;
-        if is_sensible { static_margin(self.rig(), pose) - self.accuracy_at(pose) } else { f64::NEG_INFINITY }
+        if is_sensible { static_margin(self.rig(), pose) - self.unknown_at(pose) } else { f64::NEG_INFINITY }
     }
 
     /// The rig.

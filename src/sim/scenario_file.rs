@@ -127,6 +127,9 @@ impl ScenarioFile {
             hold_compensation: given.hold_compensation.unwrap_or(base.hold_compensation),
             command_delay: or(&given.command_delay, base.command_delay),
             observer_bound: or(&given.observer_bound, base.observer_bound),
+            mass_tolerance: or(&given.mass_tolerance, base.mass_tolerance),
+            encoder_resolution: or(&given.encoder_resolution, base.encoder_resolution),
+            disturbance_bound: or(&given.disturbance_bound, base.disturbance_bound),
             ..base
         }
     }
@@ -278,11 +281,17 @@ impl ScenarioFile {
             "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),
             "commandDelay" => ("controller.command_delay", start_of(&controller.command_delay)),
             "observerBound" => ("controller.observer_bound", start_of(&controller.observer_bound)),
+            "massTolerance" => ("controller.mass_tolerance", start_of(&controller.mass_tolerance)),
+            "disturbanceBound" => ("controller.disturbance_bound", start_of(&controller.disturbance_bound)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),
             "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),
             "friction" => ("imperfections.friction", start_of(&rig.friction)),
             "motorLag" => ("imperfections.motor_lag", start_of(&rig.motor_lag)),
+            // Both have one: the controller's is refused first.
+            "encoderResolution" if or(&controller.encoder_resolution, 0.0) == error.value => {
+                ("controller.encoder_resolution", start_of(&controller.encoder_resolution))
+            }
             "encoderResolution" => ("imperfections.encoder_resolution", start_of(&rig.encoder_resolution)),
             "loadCellNoise" => ("imperfections.load_cell_noise", start_of(&rig.load_cell_noise)),
             other => (other, None),

@@ -28,6 +28,10 @@ const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, f64::INFINITY];
 const LOST_TURN: f64 = 1.4;
 const LOST_WAY: f64 = 20.0;
 
+/// Of imperfect rigs: friction of a cable as a share of the weight, and how far the centre of mass is off as a share of the rig's radius.
+const FRICTION: f64 = 0.0034;
+const OFF_CENTRE: f64 = 0.0039;
+
 #[derive(Args)]
 pub struct Held {
     /// Runs
@@ -51,6 +55,8 @@ pub struct Held {
 #[derive(Clone, Copy, Default)]
 struct Class {
     runs: u64,
+    /// Not started: the controller refused.
+    refused: u64,
     slack: u64,
     lost: u64,
     /// Last goals that can be had, and those of them that were reached.
@@ -94,12 +100,17 @@ impl Held {
         let one = |k: u64| -> Result<Classes, ParameterError> {
             let mut rng = random_of(self.seed, k);
             let case = self.draw(&mut rng);
-            let end = case.run(&mut rng)?;
+            let end = case.run(&mut rng);
             progress.done(1);
             let product = case.product();
             let class = CLASSES.iter().position(|most| product <= *most).unwrap_or(CLASSES.len() - 1);
             let mut classes = Classes::default();
-            classes[usize::from(case.is_late)][class] = Class::of(&end, product, k);
+            classes[usize::from(case.is_late)][class] = match end {
+                Ok(end) => Class::of(&end, product, k),
+                // What is not known may be too much for the start.
+                Err(_) if self.imperfect => Class { refused: 1, ..Class::default() },
+                Err(refused) => return Err(refused),
+            };
             Ok(classes)
         };
         let none = || Ok(Classes::default());
@@ -136,11 +147,16 @@ impl Held {
         let mut plant = PlantParameters { rig, initial_pose: home, ..PlantParameters::default() };
         let mut offset = Vector3::zeros();
         if self.imperfect {
+            parameters.mass_tolerance = 0.05;
+            parameters.encoder_resolution = 1e-4;
+            let of_friction = FRICTION * rig.cables.len() as f64;
+            parameters.disturbance_bound =
+                rig.weight() * (of_friction + OFF_CENTRE * rig.radius() / rig.platform_radius());
             plant.rig.mass *= 1.0 + rng.random_range(-0.05..0.05);
-            plant.friction = 0.0034 * rig.weight();
+            plant.friction = FRICTION * rig.weight();
             plant.encoder_resolution = 1e-4;
             offset = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0f64)).normalize()
-                * (0.0039 * rig.radius() * rng.random_range(0.0..1.0));
+                * (OFF_CENTRE * rig.radius() * rng.random_range(0.0..1.0));
             plant.rig.cables.iter_mut().for_each(|cable| cable.attachment -= offset);
             let centre = home.position() + home.rotation() * offset;
             plant.initial_pose.0.fixed_rows_mut::<3>(0).copy_from(&centre);
@@ -166,7 +182,7 @@ impl Held {
                 .flat_map(|order| (0..CLASSES.len()).map(move |class| (order, class)))
                 .map(|(order, class)| {
                     let c = &classes[order][class];
-                    json!({"order": orders[order], "most": CLASSES[class].min(f64::MAX), "runs": c.runs, "slack": c.slack, "lost": c.lost,
+                    json!({"order": orders[order], "most": CLASSES[class].min(f64::MAX), "runs": c.runs, "refused": c.refused, "slack": c.slack, "lost": c.lost,
                         "goals": c.goals, "reached": c.reached, "smallest_per_weight": if c.runs > 0 { c.smallest } else { 0.0 },
                         "first": c.first.map(|(product, run)| json!({"product": product, "run": run}))})
                 })
@@ -174,15 +190,15 @@ impl Held {
             return print_json(&json!({"seed": self.seed, "runs": self.runs, "classes": rows}));
         }
         let mut text = format!(
-            "seed {}, {} runs\norder             (λ+η)(h+d) up to    runs  slack   lost  goals  reached  smallest tension / weight  least product that failed (run)\n",
+            "seed {}, {} runs\norder             (λ+η)(h+d) up to    runs  refused  slack   lost  goals  reached  smallest tension / weight  least product that failed (run)\n",
             self.seed, self.runs
         );
         for (order, row) in orders.iter().zip(classes) {
             for (most, c) in CLASSES.iter().zip(row) {
                 let first = c.first.map_or("-".to_owned(), |(product, run)| format!("{product:.4} ({run})"));
                 text += &format!(
-                    "{order:<16}  {most:>16}  {:>6} {:>6} {:>6} {:>6}  {:>7}  {:>25.5}  {first}\n",
-                    c.runs, c.slack, c.lost, c.goals, c.reached, c.smallest
+                    "{order:<16}  {most:>16}  {:>6}   {:>6} {:>6} {:>6} {:>6}  {:>7}  {:>25.5}  {first}\n",
+                    c.runs, c.refused, c.slack, c.lost, c.goals, c.reached, c.smallest
                 );
             }
         }
@@ -195,6 +211,7 @@ impl Class {
         let failed = end.slack || end.lost;
         Self {
             runs: 1,
+            refused: 0,
             slack: u64::from(end.slack),
             lost: u64::from(end.lost),
             goals: u64::from(end.possible),
@@ -213,6 +230,7 @@ impl Class {
         let first = [self.first, other.first].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         Self {
             runs: self.runs + other.runs,
+            refused: self.refused + other.refused,
             slack: self.slack + other.slack,
             lost: self.lost + other.lost,
             goals: self.goals + other.goals,

@@ -133,6 +133,16 @@ pub struct Controller {
     /// Largest constant force that is estimated and made up for, as a share of the weight: 0 (none) to 1; 0.1 if left out. `bounded` has none.
     #[schemars(with = "f64", default, extend("minimum" = 0, "maximum" = 1))]
     pub observer_bound: Option<Spanned<f64>>,
+    /// By which share the platform's mass may differ from the rig's: 0 or greater, below 1; 0 if left out. `exact` leaves room for it.
+    #[schemars(with = "f64", default, extend("minimum" = 0, "exclusiveMaximum" = 1))]
+    pub mass_tolerance: Option<Spanned<f64>>,
+    /// Smallest change of cable length that the controller is told its encoders see, m: 0 or greater; 0 if left out. `exact` leaves room for it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub encoder_resolution: Option<Spanned<f64>>,
+    /// Largest force on the platform that is not known, N, the largest torque being that at its radius: 0 or greater; 0 if left out. `exact` leaves
+    /// room for it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub disturbance_bound: Option<Spanned<f64>>,
 }
 
 fn planner<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PlannerKind>, D::Error> {

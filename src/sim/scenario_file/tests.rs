@@ -46,6 +46,9 @@ force_loop = true
 hold_compensation = false
 command_delay = 0.002
 observer_bound = 0.2
+mass_tolerance = 0.03
+encoder_resolution = 0.0001
+disturbance_bound = 0.5
 "#;
 
 fn scenario(text: &str) -> Result<Scenario, ScenarioFileError> {
@@ -77,6 +80,9 @@ fn every_field_is_read() {
         hold_compensation: false,
         command_delay: 0.002,
         observer_bound: 0.2,
+        mass_tolerance: 0.03,
+        encoder_resolution: 0.0001,
+        disturbance_bound: 0.5,
         ..ControllerParameters::default()
     };
     let plant = PlantParameters {
@@ -216,6 +222,19 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
         ("min_tension = 1.0", "min_tension = -1", "min_tension", "controller.min_tension = -1"),
         ("command_delay = 0.002", "command_delay = -1", "command_delay", "controller.command_delay = -1"),
         ("observer_bound = 0.2", "observer_bound = 2", "observer_bound", "controller.observer_bound = 2"),
+        ("mass_tolerance = 0.03", "mass_tolerance = 1", "mass_tolerance", "controller.mass_tolerance = 1"),
+        (
+            "encoder_resolution = 0.0001",
+            "encoder_resolution = -2",
+            "encoder_resolution = 0.0001",
+            "controller.encoder_resolution = -2",
+        ),
+        (
+            "disturbance_bound = 0.5",
+            "disturbance_bound = -1",
+            "disturbance_bound",
+            "controller.disturbance_bound = -1",
+        ),
         ("max_tension = 50.0", "max_tension = 0.5", "max_tension", "controller.max_tension = 0.5"),
     ] {
         let error = refusal(from, to);

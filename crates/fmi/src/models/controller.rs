@@ -55,6 +55,9 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         hold_compensation: values.boolean(&HOLD_COMPENSATION),
         command_delay: values.scalar(&COMMAND_DELAY),
         observer_bound: values.scalar(&OBSERVER_BOUND),
+        mass_tolerance: values.scalar(&MASS_TOLERANCE),
+        encoder_resolution: values.scalar(&ENCODER_RESOLUTION),
+        disturbance_bound: values.scalar(&DISTURBANCE_BOUND),
     }
 }
 
@@ -106,6 +109,9 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&COMMAND_DELAY, [parameters.command_delay]);
     values.write(&OBSERVER_BOUND, [parameters.observer_bound]);
     values.write(&ACCURACY, [parameters.rig.accuracy]);
+    values.write(&MASS_TOLERANCE, [parameters.mass_tolerance]);
+    values.write(&ENCODER_RESOLUTION, [parameters.encoder_resolution]);
+    values.write(&DISTURBANCE_BOUND, [parameters.disturbance_bound]);
 }
 
 /// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.

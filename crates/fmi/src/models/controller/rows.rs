@@ -195,6 +195,36 @@ pub const ACCURACY: Row = Row {
         "Anchors and attachments lie within this distance of where they are said to be: the planner Exact leaves room for it",
     )
 };
+pub const MASS_TOLERANCE: Row = Row {
+    min: Some(0.0),
+    ..setting(
+        23,
+        "massTolerance",
+        Kind::Float64,
+        &[0.0],
+        "By which share the mass of the platform may differ: the planner Exact leaves room for it",
+    )
+};
+pub const ENCODER_RESOLUTION: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        24,
+        "encoderResolution",
+        &METRE,
+        &[0.0],
+        "Smallest change of a cable's length that the encoders see: the planner Exact leaves room for it",
+    )
+};
+pub const DISTURBANCE_BOUND: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        25,
+        "disturbanceBound",
+        &NEWTON,
+        &[0.0],
+        "Largest force on the platform that is not known, the largest torque being that force at the platform's radius: the planner Exact leaves room for it",
+    )
+};
 pub const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -407,6 +437,9 @@ pub const ROWS: &[&Row] = &[
     &COMMAND_DELAY,
     &OBSERVER_BOUND,
     &ACCURACY,
+    &MASS_TOLERANCE,
+    &ENCODER_RESOLUTION,
+    &DISTURBANCE_BOUND,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
