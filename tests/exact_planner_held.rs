@@ -257,15 +257,17 @@ fn a_proof_for_held_commands_asks_for_far_more_than_the_allowance() {
     }
 }
 
-/// Smallest tension in twenty runs with changing goals, 0 for a slack cable.
-fn smallest_with_encoders(gain: f64, resolution: f64) -> f64 {
+/// Smallest tension in twenty runs with changing goals, 0 for a slack cable, of a controller that is told the resolution of its encoders or not.
+fn smallest_with_encoders(gain: f64, resolution: f64, is_told: bool) -> f64 {
     let mut rng = Pcg64::seed_from_u64(44);
     let mut smallest = f64::INFINITY;
     for _ in 0..20 {
         let z = rng.random_range(0.5..2.0);
-        let initial_pose = random_goal(&mut rng, z, 0.01);
+        let initial_pose = Pose::at(0.0, 0.0, z);
         let rig = PlantParameters { encoder_resolution: resolution, initial_pose, ..Default::default() };
-        let mut run = ClosedLoop::new(exact(gain), rig, initial_pose, 1e-3);
+        let encoder_resolution = if is_told { resolution } else { 0.0 };
+        let parameters = ControllerParameters { encoder_resolution, ..exact(gain) };
+        let mut run = ClosedLoop::new(parameters, rig, initial_pose, 1e-3);
         for _ in 0..8 {
             run.goal = random_goal(&mut rng, z, 0.0);
             for _ in 0..400 {
@@ -283,8 +285,13 @@ fn smallest_with_encoders(gain: f64, resolution: f64) -> f64 {
 #[test]
 fn what_coarse_encoders_leave_of_the_allowance() {
     for gain in [3.0, 8.0] {
-        let found = [0.0, 1e-5, 3e-5, 1e-4].map(|r| (r, smallest_with_encoders(gain, r)));
-        println!("gains of {gain}: {}", found.map(|(r, u)| format!("{u:.3} N with {r} m")).join(", "));
-        assert!(found[1].1 > 0.0 && (gain < 8.0 || found[3].1 == 0.0), "{found:?}");
+        let [told, untold] = [true, false].map(|is_told| {
+            let found = [0.0, 1e-5, 3e-5, 1e-4].map(|r| (r, smallest_with_encoders(gain, r, is_told)));
+            let said = found.map(|(r, u)| format!("{u:.3} N with {r} m")).join(", ");
+            println!("gains of {gain}, told {is_told}: {said}");
+            found
+        });
+        assert!(told.iter().all(|(_, smallest)| *smallest > 0.0), "{told:?}");
+        assert!(untold[1].1 > 0.0 && untold[3].1 == 0.0, "{untold:?}");
     }
 }

@@ -24,6 +24,7 @@ force = [-20.0, -8.0, 0.0]
 torque = [0.0, 0.0, 0.3]
 [controller]
 planner = "exact"
+observer_bound = 0.0
 """
 
 
