@@ -491,3 +491,22 @@ fn numbers_of_any_size_get_an_answer() {
     println!("{admissible} admissible");
     assert!(admissible > 200);
 }
+
+/// Motions that turn away from a quarter turn of pitch, or from half a turn of yaw, were undecided: the sign of a rate was ignored.
+#[test]
+fn a_motion_that_turns_away_from_where_angles_are_lost_is_proved() {
+    let gains = Gains { lambda: 1.0, eta: 1.0 };
+    let pitched = |pitch: f64, rate: f64| Step {
+        start: Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, pitch, 0.0)),
+        rates: Coordinates::new(0.0, 0.0, 0.0, 0.0, rate, 0.0),
+        set_point: Pose::default(),
+        gains,
+    };
+    let cause = |step: &Step| match certify(&paper(), step).unwrap() {
+        Verdict::Undecided { cause, .. } => Some(cause),
+        _ => None,
+    };
+    // φ is at most 1/e: from 0.3 rad at 3.9 rad/s the pitch would pass a quarter turn.
+    assert_eq!(cause(&pitched(0.3, 3.9)), Some(Cause::GimbalLock));
+    assert_ne!(cause(&pitched(0.3, -3.9)), Some(Cause::GimbalLock));
+}

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::Cause;
 use super::motion::Step;
 use super::statics::{Cables, stiffness};
+use crate::reach::Curve;
 use crate::robot::pose::{PITCH, ROLL};
 use crate::robot::{Coordinates, Pose, Rig};
 
@@ -113,15 +114,19 @@ fn largest_phi(step: &Step) -> f64 {
     step.gains.largest_phi() * UPWARDS
 }
 
-/// Greatest |x - x_d| of each coordinate.
-fn largest_error(step: &Step) -> Coordinates {
-    step.start.minus(&step.set_point).abs() + step.rates.abs() * largest_phi(step)
+/// Least and greatest value of x - x_d of a coordinate, in closed form, with room for rounding.
+fn errors(step: &Step, k: usize) -> [f64; 2] {
+    let (error, rate) = (step.start.minus(&step.set_point)[k], step.rates[k]);
+    let extremes = Curve { a: 0.0, b: error, c: rate, d: 0.0 }.extremes(&step.gains);
+    let rounding = (UPWARDS - 1.0) * (error.abs() + rate.abs() * largest_phi(step));
+    [extremes.min - rounding, extremes.max + rounding]
 }
 
 /// Why the angles cannot tell the law where the platform is turned to, if anywhere in the tube they cannot.
 pub fn lost_angles(step: &Step, tube: &Tube) -> Option<Cause> {
-    let error = largest_error(step) + tube.coordinates;
-    if error.fixed_rows::<3>(3).iter().any(|angle| *angle > PI - 1e-6) {
+    let largest =
+        |k: usize| errors(step, k).map(f64::abs).into_iter().fold(0.0, f64::max) + tube.coordinates[k];
+    if (3..6).any(|k| largest(k) > PI - 1e-6) {
         return Some(Cause::HalfTurn);
     }
     (largest_angle(step, tube, PITCH) > FRAC_PI_2 - 1e-6).then_some(Cause::GimbalLock)
@@ -130,8 +135,8 @@ pub fn lost_angles(step: &Step, tube: &Tube) -> Option<Cause> {
 /// Largest absolute value that an angle takes in the tube, rad.
 fn largest_angle(step: &Step, tube: &Tube, k: usize) -> f64 {
     let goal = step.set_point.minus(&Pose(Coordinates::zeros()))[k];
-    let from = goal + step.start.minus(&step.set_point)[k];
-    goal.abs().max(from.abs()) + step.rates[k].abs() * largest_phi(step) + tube.coordinates[k]
+    let [least, greatest] = errors(step, k);
+    (goal + least).abs().max((goal + greatest).abs()) + tube.coordinates[k]
 }
 
 /// The coordinates, rates and accelerations that the law is told, while the cables are within `extent`; `None` where no bound is found.
