@@ -47,12 +47,18 @@ pub struct Estimator {
     pub rates: Coordinates,
     /// Estimated wrench on the platform besides weight and cables (N, N m), base frame.
     pub disturbance: Vector6<f64>,
+    /// What measurements have added to the rates since the start at rest, m/s and rad/s.
+    pub unexplained: Coordinates,
 }
+
+/// After this many seconds from a start at rest the rates are known, whatever they were: five time constants.
+pub const SETTLING: f64 = 5.0 / OBSERVER_POLE;
 
 impl Estimator {
     /// At rest at `pose`.
     pub fn at_rest(pose: Pose) -> Self {
-        Self { pose, rates: Vector6::zeros(), disturbance: Vector6::zeros() }
+        let none = Vector6::zeros();
+        Self { pose, rates: none, disturbance: none, unexplained: none }
     }
 
     /// The pose after `dt` s at the estimated rates.
@@ -89,6 +95,7 @@ impl Estimator {
         self.pose = Pose(measured.0 - innovation * (keep * keep * (1.0 - share)));
         let gain = square + share * (1.0 - keep * keep - 0.5 * square);
         self.rates += acceleration * dt + innovation * (gain / dt);
+        self.unexplained += innovation * (gain / dt);
         if let Some((rig, observer)) = observer {
             self.disturbance += wrench_of(rig, &self.pose, &(innovation * (share * square / (dt * dt))));
             self.limit(observer);

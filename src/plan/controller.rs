@@ -8,12 +8,17 @@ use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
+use super::stop::Stop;
+use crate::control::estimator::SETTLING;
 use crate::control::{Commands, Estimator, ForceLoop, Response, lyapunov, static_tensions};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, dynamics};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over, those of the pose and those of the rates: what encoders jump by
 /// makes the estimated rates jump by 37/s of it.
 const STILL_AT_REST: [f64; 2] = [5.0, 10.0];
+
+/// A start counts as one in motion beyond the tolerances of rest this many times over.
+const IN_MOTION: f64 = 15.0;
 
 /// Controller and planner with all their memory: plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,8 +55,8 @@ enum Mode {
     Active,
     /// No pose made sense since the start: with the tensions held until one does.
     Waiting(PerCable<f64>),
-    /// With the tensions held until `enable` falls.
-    Faulted(PerCable<f64>),
+    /// Comes to rest, and holds gravity there, until `enable` falls.
+    Faulted(Stop),
 }
 
 impl Controller {
@@ -145,14 +150,14 @@ impl Controller {
         let was = self.mode;
         self.mode = match (inputs.enable, was, measured, jump) {
             (false, ..) => Mode::Disabled,
-            (true, Mode::Faulted(held), ..) => Mode::Faulted(held),
+            (true, Mode::Faulted(stop), ..) => Mode::Faulted(stop),
             (true, Mode::Active, Ok(_), Some(fault)) | (true, Mode::Active, Err(fault), _) => {
-                self.fault(fault)
+                self.fault(fault, self.time - dt)
             }
             (true, _, Err(fault), _) if self.is_fresh || matches!(was, Mode::Waiting(_)) => {
                 Mode::Waiting(self.hold_still(fault))
             }
-            (true, _, Err(fault), _) => self.fault(fault),
+            (true, _, Err(fault), _) => self.fault(fault, self.time - dt),
             (true, _, Ok(_), _) => Mode::Active,
         };
         match (measured, jump) {
@@ -162,6 +167,10 @@ impl Controller {
         }
         if self.mode == Mode::Active && was != Mode::Active {
             self.start_here();
+        }
+        if self.mode == Mode::Active && self.has_started_in_motion() {
+            self.outputs.set_point = self.planner.stop(&self.situation());
+            self.predict();
         }
         if matches!(self.mode, Mode::Active | Mode::Disabled) {
             self.outputs.fault = Fault::NONE;
@@ -203,9 +212,11 @@ impl Controller {
         check_pose(self.planner.rig(), pose)
     }
 
-    /// From now on gravity is held at the last good pose.
-    fn fault(&mut self, fault: Fault) -> Mode {
-        Mode::Faulted(self.hold_still(fault))
+    /// From now on the robot brakes from the last good state, known at `since` (s), and gravity is held where that ends.
+    fn fault(&mut self, fault: Fault, since: f64) -> Mode {
+        self.outputs.fault = fault;
+        let Estimator { pose, rates, .. } = self.estimator;
+        Mode::Faulted(Stop { pose, rates, since, at: self.planner.stop(&self.situation()) })
     }
 
     /// Takes note of a fault, and gives the tensions that hold gravity at the last good pose.
@@ -215,9 +226,18 @@ impl Controller {
         self.limited(held.unwrap_or(least(&self.planner)))
     }
 
+    /// Whether it turns out that the robot did not rest at the start. The planner's first set point presumed that it did.
+    fn has_started_in_motion(&self) -> bool {
+        let (unexplained, rest) = (&self.estimator.unexplained, &self.planner.rest);
+        self.time - self.started <= SETTLING
+            && (unexplained.fixed_rows::<3>(0).norm() > IN_MOTION * rest.position
+                || unexplained.fixed_rows::<3>(3).amax() > IN_MOTION * rest.angle)
+    }
+
     /// The measured pose becomes the set point, and the planner's clock starts.
     fn start_here(&mut self) {
         self.estimator.disturbance = Vector6::zeros();
+        self.estimator.unexplained = self.estimator.rates;
         self.planner.parameters.rig.disturbance = Vector6::zeros();
         self.outputs.set_point = self.estimator.pose;
         self.outputs.set_point_index = 0;
@@ -315,16 +335,26 @@ impl Controller {
             match self.law() {
                 Some(tension) => self.pull(&tension, inputs, dt),
                 None => {
-                    self.mode = self.fault(Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose }));
+                    let fault = Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose });
+                    self.mode = self.fault(fault, self.time);
                 }
             }
         }
         match self.mode {
             Mode::Active => {}
             Mode::Disabled => self.outputs.motor_tension = least(&self.planner),
-            Mode::Waiting(held) | Mode::Faulted(held) => self.outputs.motor_tension = held,
+            Mode::Waiting(held) => self.outputs.motor_tension = held,
+            Mode::Faulted(stop) => self.outputs.motor_tension = self.braking(&stop),
         }
         self.report(&inputs.goal_pose);
+    }
+
+    /// The tensions of a stop in the middle of the interval in which they act.
+    fn braking(&self, stop: &Stop) -> PerCable<f64> {
+        let parameters = &self.planner.parameters;
+        let middle = self.time + parameters.command_delay + 0.5 * self.hold[0];
+        let tension = self.planner.tensions_of(stop, &parameters.gains(), middle);
+        self.limited(tension.unwrap_or(least(&self.planner)))
     }
 
     fn law(&self) -> Option<PerCable<f64>> {

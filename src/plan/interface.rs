@@ -84,8 +84,8 @@ pub enum Status {
     AtGoal = 4,
     /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
     GoalUnreachable = 5,
-    /// The measured pose made no sense; gravity is held at the last good pose until `enable` falls and rises again. If none has made sense since
-    /// the start, only until one does.
+    /// The measured pose made no sense; the robot brakes from its last good state, and gravity is held there, until `enable` falls and rises
+    /// again. If none has made sense since the start, gravity is held only until one does.
     SensorFault = 6,
 }
 

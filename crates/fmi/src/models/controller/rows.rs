@@ -51,8 +51,8 @@ pub const STATUS_TYPE: Enumeration = Enumeration {
         ("GoalUnreachable", "The goal cannot be had: the robot goes as far as is admissible and holds there"),
         (
             "SensorFault",
-            "The measured pose made no sense (see fault): gravity is held at the last good pose until enable falls and rises, or, \
-             if no pose has made sense since the start, until one does",
+            "The measured pose made no sense (see fault): the robot brakes from its last good state and gravity is held there until enable falls and rises, or, \
+             if no pose has made sense since the start, held until one does",
         ),
     ],
 };
