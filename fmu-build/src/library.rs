@@ -1,4 +1,4 @@
-//! The shared library that both FMUs carry.
+//! Shared libraries: the one that both FMUs carry, and the one of the Modelica package.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,14 +9,14 @@ use indicatif::ProgressBar;
 
 use crate::project_root;
 
-/// Builds the library below `target` and returns its path. What the compiler says is shown only if it fails.
-pub fn build(target: &Path) -> Result<PathBuf> {
+/// Builds the library of a package below `target` and returns its path. What the compiler says is shown only if it fails.
+pub fn build(package: &str, target: &Path) -> Result<PathBuf> {
     // Shown on a terminal only.
     let spinner = ProgressBar::new_spinner().with_message("building the library");
     spinner.enable_steady_tick(Duration::from_millis(100));
     // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["rustc", "--release", "--package", "cable-robot-fmi", "--lib", "--crate-type", "cdylib"])
+        .args(["rustc", "--release", "--package", package, "--lib", "--crate-type", "cdylib"])
         .arg("--target-dir")
         .arg(target)
         .args(["--", "-C", "strip=symbols"])
@@ -27,6 +27,7 @@ pub fn build(target: &Path) -> Result<PathBuf> {
     if !output.status.success() {
         bail!("the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
     }
-    let name = format!("{}cable_robot_fmi{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = package.replace('-', "_");
+    let name = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(target.join("release").join(name))
 }

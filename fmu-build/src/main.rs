@@ -3,6 +3,7 @@
 mod check;
 mod demo;
 mod library;
+mod modelica;
 mod pack;
 mod rig_demo;
 mod verify;
@@ -37,6 +38,8 @@ enum Task {
         #[arg(long, requires = "rig")]
         rate: Option<f64>,
     },
+    /// Puts the Modelica package with its library into target/modelica
+    Modelica,
     /// Runs every check and every test
     Verify,
 }
@@ -61,6 +64,10 @@ fn main() -> anyhow::Result<()> {
         Task::Demo { rig: true, minutes, rate, .. } => rig_demo::run(&rig_demo::Wishes { minutes, rate }),
         Task::Demo { fmi: 2, .. } => demo::run(Version::Fmi2),
         Task::Demo { .. } => demo::run(Version::Fmi3),
+        Task::Modelica => {
+            println!("{}", modelica::build()?.display());
+            Ok(())
+        }
         Task::Verify => verify::verify(),
     }
 }

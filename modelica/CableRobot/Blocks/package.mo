@@ -1,0 +1,3 @@
+within CableRobot;
+package Blocks "Controller and planner"
+end Blocks;

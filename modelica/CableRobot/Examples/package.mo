@@ -1,0 +1,3 @@
+within CableRobot;
+package Examples "Examples"
+end Examples;

@@ -1,0 +1,3 @@
+within CableRobot;
+package Functions "Calls of the library"
+end Functions;

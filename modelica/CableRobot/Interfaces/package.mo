@@ -1,0 +1,3 @@
+within CableRobot;
+package Interfaces "Connectors"
+end Interfaces;

@@ -1,0 +1,3 @@
+within CableRobot;
+package Plants "Robots in plain Modelica"
+end Plants;

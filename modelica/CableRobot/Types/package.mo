@@ -1,0 +1,3 @@
+within CableRobot;
+package Types "Objects that the library keeps"
+end Types;
