@@ -69,6 +69,36 @@ def test_the_plant_moves_as_the_plant_fmu(start, tmp_path):
     assert np.abs(moved - expected).max() < 1e-9, np.abs(moved - expected).max(axis=1)
 
 
+@pytest.mark.parametrize("rig", ["paper", "eight"])
+def test_the_plant_that_is_written_for_a_rig_moves_as_its_plant_fmu(rig, tmp_path):
+    file = ROOT / "rigs" / f"{rig}.toml"
+    cable_robot = ["cargo", "run", "--quiet", "--bin", "cable-robot", "--"]
+    written = subprocess.run([*cable_robot, "modelica", "--rig", file], cwd=ROOT, capture_output=True, text=True)
+    assert written.returncode == 0, written.stderr
+    if rig == "paper":
+        ours = (SOURCES / "Plants" / "Plant.mo").read_text()
+        assert ours == written.stdout.replace("within ;", "within CableRobot.Plants;", 1)
+    packed = subprocess.run([*cable_robot, "fmu", "--rig", file, "--output", tmp_path / "fmus"], cwd=ROOT, capture_output=True, text=True)
+    assert packed.returncode == 0, packed.stderr
+    with Slave(tmp_path / "fmus" / "fmi3" / "CableRobotPlant.fmu") as slave:
+        count = sum(name.startswith("motorTension[") for name in slave.variables)
+        motors, pose = [f"motorTension[{k}]" for k in range(1, count + 1)], pose_names("encoderPose")
+        pulls = [value * (1 + 0.02 * (-1) ** k) for k, value in enumerate(slave.get(motors))]
+        slave.set(motors, pulls)
+        slave.initialize()
+        expected = [slave.get(pose)]
+        for _ in range(50):
+            slave.step(0.01)
+            expected.append(slave.get(pose))
+    text = written.stdout.replace("within ;", "") + "model Moving Plant plant; equation "
+    text += "".join(f"plant.motorTension[{k}] = {value!r};" for k, value in enumerate(map(float, pulls), 1)) + " end Moving;"
+    model = rumoca.Session(roots=[str(SOURCES.parent)]).loads(text, model="Moving", filename=str(tmp_path / "Moving.mo"))
+    found = model.simulate(0.5, dt=0.01, config=rumoca.SimConfig(solver="bdf", rtol=1e-12, atol=1e-14))
+    moved = np.array([np.asarray(found[f"plant.encoderPose[{k}]"]) for k in range(1, 7)]).T
+    assert np.abs(moved[-1] - moved[0]).max() > 1e-3, "it moves"
+    assert np.abs(moved - np.array(expected)).max() < 1e-9, np.abs(moved - np.array(expected)).max(axis=0)
+
+
 @pytest.mark.parametrize("planner", [1, 2], ids=["bounded", "exact"])
 def test_the_external_functions_give_the_bits_of_the_controller_fmu(harness, planner):
     goal, step = [0.15, 0.1, 1.0, 0.0, 0.0, 0.0], 1e-3

@@ -5,6 +5,7 @@ mod certify;
 mod completions;
 mod figure;
 mod fmu;
+mod modelica;
 mod picture;
 mod plan;
 mod progress;
@@ -67,6 +68,9 @@ enum Task {
     /// Controller and plant of a rig as FMUs
     #[command(after_help = fmu::EXAMPLE)]
     Fmu(fmu::Fmu),
+    /// The plant of a rig in plain Modelica
+    #[command(after_help = modelica::EXAMPLE)]
+    Modelica(modelica::Modelica),
     /// The paper's figures as SVG, PNG and CSV
     #[command(after_help = figure::EXAMPLE)]
     Figure(figure::Figure),
@@ -100,6 +104,7 @@ fn main() -> ExitCode {
         Task::Certify(task) => task.run(),
         Task::Tensions(task) => task.run(),
         Task::Fmu(task) => task.run(),
+        Task::Modelica(task) => task.run(),
         Task::Figure(task) => task.run(),
         Task::Schema(task) => task.run(),
         Task::Study(task) => task.run(),

@@ -1,0 +1,17 @@
+  norm = q_w * q_w + q_x * q_x + q_y * q_y + q_z * q_z;
+  r11 = (q_w * q_w + q_x * q_x - q_y * q_y - q_z * q_z) / norm;
+  r12 = 2 * (q_x * q_y - q_w * q_z) / norm;
+  r13 = 2 * (q_x * q_z + q_w * q_y) / norm;
+  r21 = 2 * (q_x * q_y + q_w * q_z) / norm;
+  r22 = (q_w * q_w - q_x * q_x + q_y * q_y - q_z * q_z) / norm;
+  r23 = 2 * (q_y * q_z - q_w * q_x) / norm;
+  r31 = 2 * (q_x * q_z - q_w * q_y) / norm;
+  r32 = 2 * (q_y * q_z + q_w * q_x) / norm;
+  r33 = (q_w * q_w - q_x * q_x - q_y * q_y + q_z * q_z) / norm;
+  der(x) = v_x;
+  der(y) = v_y;
+  der(z) = v_z;
+  der(q_w) = 0.5 * (-q_x * w_x - q_y * w_y - q_z * w_z);
+  der(q_x) = 0.5 * (q_w * w_x + q_y * w_z - q_z * w_y);
+  der(q_y) = 0.5 * (q_w * w_y + q_z * w_x - q_x * w_z);
+  der(q_z) = 0.5 * (q_w * w_z + q_x * w_y - q_y * w_x);
