@@ -1,7 +1,7 @@
 //! What explains the tensions: the point p, and what the closed form had predicted.
 
 use super::history::History;
-use cable_robot::control::{Response, lyapunov, tensions};
+use cable_robot::control::{Response, tensions};
 use cable_robot::robot::{Coordinates, PerCable, Pose};
 
 /// p = P + P'' z/(g - z''), m, in the base plane: where the line of the net force that the cables shall give meets it.
@@ -23,11 +23,15 @@ pub fn moving_point(history: &History, row: usize) -> Option<[f64; 2]> {
     (force[2] < 0.0 && p.iter().all(|x| x.is_finite())).then_some(p)
 }
 
-/// The force that the law demands of the cables, for each unit of mass.
+/// The force that the law demands of the cables, for each unit of mass: in the middle of the interval for which the command is held, if it is
+/// computed for that.
 fn demanded(history: &History, (pose, rates): &(Pose, Coordinates), row: usize) -> [f64; 3] {
     let parameters = &history.info.controller_parameters;
-    let demand = lyapunov::acceleration(&parameters.gains(), pose, rates, &history.set_point[row]);
-    [0, 1, 2].map(|k| demand[k] - parameters.rig.gravity[k])
+    let middle = if parameters.hold_compensation { 0.5 * history.info.step } else { 0.0 };
+    let response = Response::at(&parameters.gains(), middle);
+    let (_, _, demand) = response.motion_of(pose, rates, &history.set_point[row]);
+    let believed = history.believed_force[row];
+    [0, 1, 2].map(|k| demand[k] - parameters.rig.gravity[k] - believed[k] / parameters.rig.mass)
 }
 
 /// The force of the measured tensions.

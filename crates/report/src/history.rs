@@ -25,6 +25,8 @@ pub struct History<'a> {
     pub goal: Vec<Pose>,
     /// What the controller believed of pose and rates; `None` if it did not say.
     pub estimate: Option<Vec<(Pose, Coordinates)>>,
+    /// What force it believed to act besides cables and weight, N; zero if it did not say.
+    pub believed_force: Vec<[f64; 3]>,
     /// Numbers of [`Status`]; `None` if the controller did not say.
     pub status: Option<Vec<i32>>,
     /// Greatest disturbing force and torque, N and N m.
@@ -69,6 +71,7 @@ impl<'a> History<'a> {
             set_point: if says("setPoint") { poses(table, "controller.setPoint")? } else { goal.clone() },
             goal,
             estimate,
+            believed_force: believed_force(table),
             status: table.get("controller.status").map(|column| column.iter().map(|s| *s as i32).collect()),
             disturbance: DISTURBANCES.map(|name| greatest(table, name)),
             disturbed: disturbed(table, &folder.run()?.times),
@@ -166,6 +169,13 @@ fn disturbed(table: &Table, times: &[f64]) -> Vec<[f64; 2]> {
         }
     }
     spans
+}
+
+/// The controller's estimate of a disturbing force, row by row.
+fn believed_force(table: &Table) -> Vec<[f64; 3]> {
+    let columns = ["x", "y", "z"].map(|axis| table.get(&format!("controller.disturbanceForce.{axis}")));
+    let rows = table.get("time").map_or(0, |times| times.len());
+    (0..rows).map(|row| columns.map(|column| column.map_or(0.0, |column| column[row]))).collect()
 }
 
 /// The greatest length of a vector in the table; 0 if it is not there.
