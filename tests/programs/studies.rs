@@ -73,7 +73,7 @@ fn margins_outside_the_projects_folder_says_what_is_needed() {
     assert!(said.contains("in the project's folder"), "{said}");
 }
 
-/// A hundredth and a tenth of the runs on the page.
+/// A hundredth and a twentieth of the runs on the page.
 #[test]
 fn held_and_late_commands_slacken_no_cable() {
     for arguments in [&["held", "--runs", "100"][..], &["held", "--runs", "100", "--imperfect"]] {
@@ -82,6 +82,6 @@ fn held_and_late_commands_slacken_no_cable() {
             found["classes"].as_array().unwrap().iter().map(|class| class[name].as_u64().unwrap()).sum()
         };
         assert_eq!((count("slack"), count("lost")), (0, 0), "{found}");
-        assert!(count("runs") > 40 && count("reached") * 20 > count("goals") * 17, "{found}");
+        assert!(count("runs") > 30 && count("reached") * 20 > count("goals") * 17, "{found}");
     }
 }
