@@ -1,11 +1,13 @@
 //! A platform that is not what the controller believes: another mass, a force that lasts, friction. The observer finds out, and goals are
 //! reached all the same.
 
-use cable_robot::plan::{
-    Controller, ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, Status,
-};
+#[path = "common/inputs.rs"]
+mod inputs;
+
+use cable_robot::plan::{Controller, ControllerOutputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::Pose;
-use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use inputs::inputs;
 use nalgebra::Vector3;
 
 /// Six seconds in steps of `step` s from rest at (0, 0, 1) to `goal`.
@@ -37,26 +39,16 @@ impl Run {
             planner: PlannerKind::Exact,
             lambda: gain,
             eta: gain,
-            hold_compensation: true,
             ..Default::default()
         };
         let goal = Pose::at(0.1, 0.05, 1.0);
         Self { plant: PlantParameters::default(), controller, force: Vector3::zeros(), goal, step }
     }
 
-    fn inputs(&self, plant: &PlantOutputs) -> ControllerInputs {
-        ControllerInputs {
-            encoder_pose: plant.encoder_pose,
-            cable_length: plant.cable_length,
-            measured_tension: plant.measured_tension,
-            goal_pose: self.goal,
-            enable: true,
-        }
-    }
-
     fn end(&self) -> End {
         let hanging = Plant::new(self.plant, &PlantInputs::none(6)).unwrap();
-        let mut controller = Controller::new(self.controller, 0.0, &self.inputs(hanging.outputs())).unwrap();
+        let mut controller =
+            Controller::new(self.controller, 0.0, &inputs(hanging.outputs(), self.goal, true)).unwrap();
         let mut pull = PlantInputs {
             motor_tension: controller.outputs().motor_tension,
             disturbance_force: self.force,
@@ -65,7 +57,7 @@ impl Run {
         let mut plant = Plant::new(self.plant, &pull).unwrap();
         let (mut smallest, mut largest_force, mut farthest) = (f64::INFINITY, 0.0f64, 0.0f64);
         for k in 0..(6.0 / self.step) as u32 {
-            controller.step(f64::from(k) * self.step, self.step, &self.inputs(plant.outputs()));
+            controller.step(f64::from(k) * self.step, self.step, &inputs(plant.outputs(), self.goal, true));
             pull.motor_tension = controller.outputs().motor_tension;
             plant.step(&pull, self.step).unwrap();
             let slack = plant.outputs().slack != [false; 6];

@@ -1,9 +1,13 @@
 //! Commands that are held and handed on late: inputs at which cables went slack, with the law evaluated for the interval in which its
 //! command acts.
 
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
+#[path = "common/inputs.rs"]
+mod inputs;
+
+use cable_robot::plan::{Controller, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose};
-use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use inputs::inputs;
 
 /// A perfect plant, starting at rest at (0, 0, 1).
 struct Case {
@@ -14,16 +18,6 @@ struct Case {
     is_late: bool,
     /// From when on (s).
     goals: &'static [(f64, [f64; 6])],
-}
-
-fn inputs(plant: &PlantOutputs, goal_pose: Pose) -> ControllerInputs {
-    ControllerInputs {
-        encoder_pose: plant.encoder_pose,
-        cable_length: plant.cable_length,
-        measured_tension: plant.measured_tension,
-        goal_pose,
-        enable: true,
-    }
 }
 
 /// For how long a cable was slack in `duration` s, and the greatest angle of the platform, rad.
@@ -42,7 +36,7 @@ fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
         ..Default::default()
     };
     let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
-    let seen = inputs(hanging.outputs(), start.initial_pose);
+    let seen = inputs(hanging.outputs(), start.initial_pose, true);
     let mut controller = Controller::new(parameters, 0.0, &seen).unwrap();
     let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
     let mut plant = Plant::new(start, &pull).unwrap();
@@ -52,7 +46,7 @@ fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
         let given = goals.iter().rfind(|(from, _)| *from <= time + 1e-9);
         let goal = given.map_or(start.initial_pose, |(_, goal)| Pose(Coordinates::from(*goal)));
         let late = controller.outputs().motor_tension;
-        controller.step(time, step, &inputs(plant.outputs(), goal));
+        controller.step(time, step, &inputs(plant.outputs(), goal, true));
         pull.motor_tension = if is_late { late } else { controller.outputs().motor_tension };
         if plant.step(&pull, step).is_err() {
             return (f64::INFINITY, turned);
@@ -130,11 +124,11 @@ fn a_goal_that_leaves_half_a_newton_is_reached() {
         ControllerParameters { planner: PlannerKind::Exact, lambda: 8.0, eta: 8.0, ..Default::default() };
     let start = PlantParameters::default();
     let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
-    let mut controller = Controller::new(parameters, 0.0, &inputs(hanging.outputs(), goal)).unwrap();
+    let mut controller = Controller::new(parameters, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
     let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
     let mut plant = Plant::new(start, &pull).unwrap();
     for k in 0..1000 {
-        controller.step(f64::from(k) * 4e-3, 4e-3, &inputs(plant.outputs(), goal));
+        controller.step(f64::from(k) * 4e-3, 4e-3, &inputs(plant.outputs(), goal, true));
         pull.motor_tension = controller.outputs().motor_tension;
         plant.step(&pull, 4e-3).unwrap();
         assert_eq!(plant.outputs().slack, [false; 6]);

@@ -1,8 +1,12 @@
 //! Robots that are found in motion, and robots whose pose is lost in motion.
 
+#[path = "common/inputs.rs"]
+mod inputs;
+
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose};
-use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use inputs::inputs;
 
 struct Run {
     plant: Plant,
@@ -12,16 +16,6 @@ struct Run {
     time: f64,
     /// For how long a cable was slack, s.
     slack: f64,
-}
-
-fn inputs(plant: &PlantOutputs, goal_pose: Pose, enable: bool) -> ControllerInputs {
-    ControllerInputs {
-        encoder_pose: plant.encoder_pose,
-        cable_length: plant.cable_length,
-        measured_tension: plant.measured_tension,
-        goal_pose,
-        enable,
-    }
 }
 
 impl Run {

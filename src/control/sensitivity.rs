@@ -45,24 +45,23 @@ impl<'a> Sensitivity<'a> {
     pub fn geometry(&self, accuracy: f64) -> f64 {
         self.greatest(|row| {
             let (force, torque) = parts(row);
-            let of_cable = |j: usize| {
-                let direction = self.cables.direction[j];
-                let turned = force + torque.cross(&self.cables.arm[j]);
-                let across = turned - direction * turned.dot(&direction);
-                let (bent, moved) = (across / self.cables.free[j], direction.cross(&torque));
-                self.tensions[j].abs() * (bent.norm() + (moved - bent).norm())
-            };
-            accuracy * (0..self.tensions.len()).map(of_cable).sum::<f64>()
+            self.misplaced(accuracy, &force, &torque)
         })
     }
 
     /// Largest torque about an axis (of length one, base frame) that such errors of the geometry add, N m.
     pub fn torque_of_geometry(&self, accuracy: f64, axis: &Vector3<f64>) -> f64 {
+        self.misplaced(accuracy, &Vector3::zeros(), axis)
+    }
+
+    /// Largest value that such errors of the geometry add to f·force + t·torque of the cables.
+    fn misplaced(&self, accuracy: f64, f: &Vector3<f64>, t: &Vector3<f64>) -> f64 {
         let of_cable = |j: usize| {
             let direction = self.cables.direction[j];
-            let turned = axis.cross(&self.cables.arm[j]);
-            let bent = (turned - direction * turned.dot(&direction)) / self.cables.free[j];
-            self.tensions[j].abs() * (bent.norm() + (direction.cross(axis) - bent).norm())
+            let turned = f + t.cross(&self.cables.arm[j]);
+            let across = turned - direction * turned.dot(&direction);
+            let (bent, moved) = (across / self.cables.free[j], direction.cross(t));
+            self.tensions[j].abs() * (bent.norm() + (moved - bent).norm())
         };
         accuracy * (0..self.tensions.len()).map(of_cable).sum::<f64>()
     }

@@ -332,8 +332,9 @@ impl Controller {
     /// The law (4), or what stands for it when the controller may not or cannot act.
     fn act(&mut self, inputs: &ControllerInputs, dt: f64) {
         if self.mode == Mode::Active {
-            match self.law() {
-                Some(tension) => self.pull(&tension, inputs, dt),
+            let state = self.when_it_acts();
+            match self.law(&state) {
+                Some(tension) => self.pull(&tension, &state, inputs, dt),
                 None => {
                     let fault = Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose });
                     self.mode = self.fault(fault, self.time);
@@ -353,15 +354,14 @@ impl Controller {
     fn braking(&self, stop: &Stop) -> PerCable<f64> {
         let parameters = &self.planner.parameters;
         let middle = self.time + parameters.command_delay + 0.5 * self.hold[0];
-        let tension = self.planner.tensions_of(stop, &parameters.gains(), middle);
+        let tension = self.planner.tensions_of(stop, middle);
         self.limited(tension.unwrap_or(least(&self.planner)))
     }
 
-    fn law(&self) -> Option<PerCable<f64>> {
-        let (pose, rates) = self.when_it_acts();
+    fn law(&self, (pose, rates): &(Pose, Coordinates)) -> Option<PerCable<f64>> {
         let gains = self.planner.parameters.gains();
         let margin = self.planner.allowance();
-        lyapunov::tension_command(self.planner.rig(), &gains, &pose, &rates, &self.outputs.set_point, margin)
+        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, &self.outputs.set_point, margin)
     }
 
     /// Pose and rates when the command of this step begins to act: with `holdCompensation` the estimate carried through the commands that are on
@@ -389,7 +389,13 @@ impl Controller {
         (pose, rates)
     }
 
-    fn pull(&mut self, tension: &PerCable<f64>, inputs: &ControllerInputs, dt: f64) {
+    fn pull(
+        &mut self,
+        tension: &PerCable<f64>,
+        state: &(Pose, Coordinates),
+        inputs: &ControllerInputs,
+        dt: f64,
+    ) {
         let desired = self.limited(*tension);
         let command = if self.planner.parameters.force_loop {
             self.force_loop.command(&desired, &inputs.measured_tension, dt)
@@ -399,17 +405,21 @@ impl Controller {
         self.outputs.motor_tension = self.limited(command);
         let parameters = &self.planner.parameters;
         let delay = if parameters.hold_compensation { parameters.command_delay } else { 0.0 };
-        let imposed = self.imposed(&desired, desired != *tension) - self.disturbing();
+        let imposed = self.imposed(state, &desired, desired != *tension) - self.disturbing();
         self.commands.send(self.time, self.time + delay, imposed);
     }
 
     /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
-    fn imposed(&self, pulled: &PerCable<f64>, is_clipped: bool) -> Coordinates {
-        let (pose, rates) = self.when_it_acts();
+    fn imposed(
+        &self,
+        (pose, rates): &(Pose, Coordinates),
+        pulled: &PerCable<f64>,
+        is_clipped: bool,
+    ) -> Coordinates {
         if is_clipped {
-            return dynamics::accelerations(self.planner.rig(), &pose, &rates, pulled);
+            return dynamics::accelerations(self.planner.rig(), pose, rates, pulled);
         }
-        lyapunov::acceleration(&self.planner.parameters.gains(), &pose, &rates, &self.outputs.set_point)
+        lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, &self.outputs.set_point)
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {

@@ -35,9 +35,8 @@ impl Planner {
             return None;
         }
         // Where less is left at rest, no more is asked for.
-        let at_rest = self.margin_at(now.set_point) + self.unknown_at(now.set_point);
         let wanted = self.allowance() + self.unknown_on_the_way(now.pose, now.set_point);
-        let spare = wanted.min(LEFT * at_rest).max(0.0);
+        let spare = wanted.min(LEFT * self.known_margin_at(now.set_point)).max(0.0);
         let within_reach = self.translation(now, goal, spare);
         let next = self.proved(now, &within_reach.unwrap_or(*goal), spare);
         next.filter(|next| next == goal || self.is_worth_it(now.set_point, next))

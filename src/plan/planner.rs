@@ -154,8 +154,13 @@ impl Planner {
 
     /// How far inside its limits every tension can be at rest, N, whatever is not known of it; less than nothing where the robot cannot be at rest.
     pub(super) fn margin_at(&self, pose: &Pose) -> f64 {
+        self.known_margin_at(pose) - self.unknown_at(pose)
+    }
+
+    /// The same of the rig as it is said to be.
+    pub(super) fn known_margin_at(&self, pose: &Pose) -> f64 {
         let is_sensible = self.rig().can_be_at(pose) && self.is_near(pose) && pose.0[PITCH].abs() < STEEPEST;
-        if is_sensible { static_margin(self.rig(), pose) - self.unknown_at(pose) } else { f64::NEG_INFINITY }
+        if is_sensible { static_margin(self.rig(), pose) } else { f64::NEG_INFINITY }
     }
 
     /// The rig.

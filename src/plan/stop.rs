@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::planner::{MOST_SPANS, Planner, Situation};
-use crate::control::{Gains, Response, static_tensions, tensions};
+use crate::control::{Response, static_tensions, tensions};
 use crate::robot::{Coordinates, PerCable, Pose};
 
 /// How far ahead stops are tried, as a part of the way at which the law does not brake at first: hard stops come first.
@@ -34,8 +34,8 @@ impl Planner {
     }
 
     /// The tensions of a stop at a time, s, N.
-    pub(super) fn tensions_of(&self, stop: &Stop, gains: &Gains, time: f64) -> Option<PerCable<f64>> {
-        let response = Response::at(gains, (time - stop.since).max(0.0));
+    pub(super) fn tensions_of(&self, stop: &Stop, time: f64) -> Option<PerCable<f64>> {
+        let response = Response::at(&self.parameters.gains(), (time - stop.since).max(0.0));
         let (pose, rates, acceleration) = response.motion_of(&stop.pose, &stop.rates, &stop.at);
         let margin = self.allowance();
         tensions(self.rig(), &pose, &rates, &acceleration, margin)

@@ -1,6 +1,10 @@
 //! The closed loop of controller and plant in the library, as the tests run it.
 
-use cable_robot::plan::{Controller, ControllerInputs, ControllerOutputs, ControllerParameters};
+mod inputs;
+
+pub use inputs::inputs;
+
+use cable_robot::plan::{Controller, ControllerOutputs, ControllerParameters};
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
@@ -40,15 +44,5 @@ impl ClosedLoop {
         self.plant.step(&pull, self.step).unwrap();
         self.count += 1;
         (output, before)
-    }
-}
-
-pub fn inputs(plant: &PlantOutputs, goal: Pose, enable: bool) -> ControllerInputs {
-    ControllerInputs {
-        encoder_pose: plant.encoder_pose,
-        cable_length: plant.cable_length,
-        measured_tension: plant.measured_tension,
-        goal_pose: goal,
-        enable,
     }
 }

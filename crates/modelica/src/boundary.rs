@@ -50,6 +50,26 @@ pub unsafe fn guarded(message: Message, act: impl FnOnce() -> Result<(), Failure
     1
 }
 
+/// Puts what was made at `*object`.
+///
+/// # Safety
+/// `object` can be written.
+pub unsafe fn give<T>(object: *mut *mut T, made: T) {
+    // SAFETY: as the caller promises.
+    unsafe { *object = Box::into_raw(Box::new(made)) };
+}
+
+/// Frees what [`give`] gave; null is allowed.
+///
+/// # Safety
+/// `object` is null or was given and is not used any more.
+pub unsafe fn free<T>(object: *mut T) {
+    if !object.is_null() {
+        // SAFETY: as the caller promises.
+        drop(unsafe { Box::from_raw(object) });
+    }
+}
+
 /// Six finite numbers.
 ///
 /// # Safety

@@ -6,7 +6,7 @@ use std::ptr;
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
 use cable_robot::robot::{PerCable, Pose};
 
-use crate::boundary::{Failure, Message, Settings, coordinates, finite, guarded, put_pose};
+use crate::boundary::{Failure, Message, Settings, coordinates, finite, free, give, guarded, put_pose};
 
 /// A controller that starts with its first step: there its pose is known.
 pub struct Object {
@@ -40,9 +40,8 @@ pub unsafe extern "C" fn cable_robot_controller_create(
         let parameters =
             ControllerParameters { command_delay, observer_bound, ..unsafe { settings.parameters() }? };
         parameters.validate().map_err(|error| error.to_string())?;
-        let made = Box::new(Object { parameters, running: None });
         // SAFETY: as the caller promises.
-        unsafe { *object = Box::into_raw(made) };
+        unsafe { give(object, Object { parameters, running: None }) };
         Ok(())
     };
     // SAFETY: as the caller promises.
@@ -55,10 +54,8 @@ pub unsafe extern "C" fn cable_robot_controller_create(
 /// `object` is null or was made here and is not used any more.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cable_robot_controller_free(object: *mut Object) {
-    if !object.is_null() {
-        // SAFETY: as the caller promises.
-        drop(unsafe { Box::from_raw(object) });
-    }
+    // SAFETY: as the caller promises.
+    unsafe { free(object) };
 }
 
 /// One step: reads the pose measured at `time` (s) and the goal, gives the tensions to hold for `hold` (s). `cables` is the length of `motor_tension`.

@@ -6,7 +6,7 @@ use cable_robot::plan::planner::Situation;
 use cable_robot::plan::{ControllerParameters, Planner};
 use cable_robot::robot::Pose;
 
-use crate::boundary::{Failure, Message, Settings, coordinates, guarded, put_pose};
+use crate::boundary::{Failure, Message, Settings, coordinates, free, give, guarded, put_pose};
 
 /// A planner and its parameters.
 pub struct Object {
@@ -36,9 +36,8 @@ pub unsafe extern "C" fn cable_robot_planner_create(
     let make = || {
         // SAFETY: as the caller promises.
         let parameters = unsafe { settings.parameters() }?;
-        let made = Box::new(Object { parameters, planner: Planner::from(parameters) });
         // SAFETY: as the caller promises.
-        unsafe { *object = Box::into_raw(made) };
+        unsafe { give(object, Object { parameters, planner: Planner::from(parameters) }) };
         Ok(())
     };
     // SAFETY: as the caller promises.
@@ -51,10 +50,8 @@ pub unsafe extern "C" fn cable_robot_planner_create(
 /// `object` is null or was made here and is not used any more.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cable_robot_planner_free(object: *mut Object) {
-    if !object.is_null() {
-        // SAFETY: as the caller promises.
-        drop(unsafe { Box::from_raw(object) });
-    }
+    // SAFETY: as the caller promises.
+    unsafe { free(object) };
 }
 
 /// The set point to give now to a robot that is at `pose`, moves with `rates` and makes for `active`, on the way to `goal`: to `set_point`, which is
