@@ -51,6 +51,10 @@ pub struct Estimator {
     pub unexplained: Coordinates,
 }
 
+/// A platform that leaves where it is by itself, x'' = κ x, is followed by the observer up to κ = q², q its pole: an error e of the estimated pose
+/// obeys e'' + 2 q e' + (q² - κ) e = 0. Up to this κ, 1/s², it is at most twice what it would be without. See docs/controller.md.
+pub const FASTEST_DIVERGENCE: f64 = 0.5 * OBSERVER_POLE * OBSERVER_POLE;
+
 /// After this many seconds from a start at rest the rates are known, whatever they were: five time constants.
 pub const SETTLING: f64 = 5.0 / OBSERVER_POLE;
 

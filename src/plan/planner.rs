@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::aim::Search;
 use super::interface::{ControllerParameters, PlannerKind, Rest, size};
-use crate::control::static_margin;
+use crate::control::estimator::FASTEST_DIVERGENCE;
+use crate::control::{static_margin, static_tensions, swing};
 use crate::robot::pose::{LARGEST_PITCH, PITCH};
 use crate::robot::{Coordinates, PerCable, Pose, Rig, Shape, TensionLimits};
 
@@ -142,9 +143,16 @@ impl Planner {
         }
     }
 
-    /// Whether the robot can be at rest at this pose, every tension `allowance` (N) inside its limits.
+    /// Whether the robot can be held at rest at this pose, every tension `allowance` (N) inside its limits.
     pub(super) fn rests_at(&self, pose: &Pose, allowance: f64) -> bool {
-        self.margin_at(pose) > allowance
+        self.margin_at(pose) > allowance && self.is_firm(pose)
+    }
+
+    /// Whether the controller can hold the robot there: not if the tensions are so large for its mass and inertia that it leaves a pose, from which
+    /// it is a little off, faster than the observer follows.
+    pub fn is_firm(&self, pose: &Pose) -> bool {
+        static_tensions(self.rig(), pose, self.allowance())
+            .is_some_and(|tensions| swing(self.rig(), pose, &tensions)[1] <= FASTEST_DIVERGENCE)
     }
 
     /// Whether poses so far from the rig are looked at.

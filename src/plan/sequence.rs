@@ -47,6 +47,8 @@ pub struct Obstacle {
     pub barrier: Option<(Barrier, Pose)>,
     /// Whether, with no barrier, a tension comes nearer to its limit on that way than the planner lets it, with the platform at rest.
     pub is_tight: bool,
+    /// Whether, with no barrier, the tensions on that way become so large that the platform cannot be held ([`Planner::is_firm`]).
+    pub is_loose: bool,
 }
 
 /// No plan can be made.
@@ -94,7 +96,10 @@ impl Sequence {
                 broken: extremes(rig, &gains, &at, to).filter(|direct| direct.first_outside.is_some()),
                 nearest,
                 barrier: barrier(rig, &nearest_or_last, &goal),
-                is_tight: is_tight(parameters, &nearest_or_last, &goal),
+                is_tight: is_any(parameters, &nearest_or_last, &goal, |planner, at| {
+                    planner.margin_at(at) <= 2.0 * planner.allowance()
+                }),
+                is_loose: is_any(parameters, &nearest_or_last, &goal, |planner, at| !planner.is_firm(at)),
             })
         };
         Ok(Self { set_points, smallest, given_up, obstacle })
@@ -157,14 +162,18 @@ fn within_reach(rig: &Rig, from: &Pose, goal: &Pose) -> Pose {
     if longest <= far { *goal } else { Pose(from.0 + way * (far / longest)) }
 }
 
-/// Whether, on the line from one pose to another, the planner lets no tension be as near to its limit as it comes at rest. The last points
-/// that it makes for keep twice its allowance.
-fn is_tight(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> bool {
+/// Whether something is so of a pose on the line from one to another. The last points that the planner makes for keep twice its allowance.
+fn is_any(
+    parameters: &ControllerParameters,
+    from: &Pose,
+    to: &Pose,
+    is_so: impl Fn(&Planner, &Pose) -> bool,
+) -> bool {
     let planner = Planner::from(*parameters);
     let to = &within_reach(&parameters.rig, from, to);
     (0..=POINTS).any(|k| {
         let at = Pose(from.0.lerp(&to.0, f64::from(k) / f64::from(POINTS)));
-        planner.is_near(&at) && !planner.rests_at(&at, 2.0 * planner.allowance())
+        planner.is_near(&at) && is_so(&planner, &at)
     })
 }
 

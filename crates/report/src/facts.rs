@@ -4,7 +4,7 @@ use super::history::{Arrival, History};
 use super::run_folder::Model;
 use super::{Slack, Summary};
 use cable_robot::control::{Barrier, barrier};
-use cable_robot::plan::{PoseSource, Status};
+use cable_robot::plan::{Planner, PoseSource, Status};
 use cable_robot::robot::{Pose, Rig};
 
 /// More goals than these are counted only.
@@ -155,6 +155,10 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
         }
         Some(Barrier { cable, limit, .. }) => {
             format!("at rest at the goal cable {cable} would pull less than its {limit} N")
+        }
+        None if !Planner::from(history.info.controller_parameters).is_firm(goal) => {
+            "at rest at the goal the tensions would be too large for the platform's inertia to be held there"
+                .to_owned()
         }
         None => "at rest at the goal no limit is broken, but the planner has no step to it".to_owned(),
     };

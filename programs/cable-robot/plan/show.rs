@@ -126,6 +126,8 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
         };
         let cable = limit.cable;
         let _ = writeln!(text, "  held back by cable {cable}, at rest {breach} from {} on", place_of(at));
+    } else if obstacle.is_loose {
+        *text += "  at rest no limit is broken between there and the goal, but the tensions become too large for the platform's inertia to be held\n";
     } else if obstacle.broken.is_some() && obstacle.is_tight {
         *text += "  at rest no limit is broken between there and the goal, but less than the planner keeps, 0.17 % of the weight, is left\n";
     }

@@ -77,6 +77,8 @@ struct Driven {
 
 /// A goal and what became of it.
 struct Run {
+    /// m, in the rig file's frame.
+    goal: [f64; 3],
     inside: bool,
     reached: bool,
     unreachable: bool,
@@ -200,6 +202,7 @@ fn run([controller, plant]: &[Fmu; 2], rig: &Rig, goal: &Pose, inside: bool) -> 
         .fold(f64::INFINITY, f64::min);
     let last = closed_loop.recorder().column("controller.status")?.last().copied().unwrap_or_default();
     Ok(Run {
+        goal: position.into(),
         inside,
         reached: recorded.at_goal.last() == Some(&1.0),
         unreachable: last == f64::from(Status::GoalUnreachable as i32),
@@ -246,7 +249,7 @@ fn as_json(rows: &[Row]) -> serde_json::Value {
                 .runs
                 .iter()
                 .map(|run| {
-                    json!({ "inside": run.inside, "reached": run.reached, "unreachable": run.unreachable,
+                    json!({ "goal": run.goal, "inside": run.inside, "reached": run.reached, "unreachable": run.unreachable,
                             "margin": run.margin, "time": run.time })
                 })
                 .collect();
