@@ -244,8 +244,6 @@ fn what_makes_no_sense_and_what_cannot_be_told_is_named() {
     // Margins of 0 are no margins.
     let none = Margins::default();
     assert_eq!(certify_with_margins(&rig, &home, &none).unwrap(), certify(&rig, &home).unwrap());
-    let error = certify_with_margins(&rig, &home, &Margins { force: 0.1, ..none }).unwrap_err();
-    assert!(error.to_string().contains("6 cables only, the rig has 8"), "{error}");
 
     // Nothing holds the platform about the line of the anchors, or sideways where all cables are parallel.
     let mut collinear = rig;

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use cable_robot::control::Gains;
 use cable_robot::plan::extremes::{TensionAt, extremes_from};
+use cable_robot::plan::{ControllerParameters, Planner};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
 use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose, Rig};
 use clap::Args;
@@ -71,7 +72,9 @@ impl Certify {
         if self.json {
             self.show_json(&verdict)?
         } else {
-            self.show(&verdict, file.rig.cables.len() > LEAST_CABLES)?
+            let margins = self.margins(&file.rig);
+            let is_any = margins == Margins { kept: margins.kept, ..Margins::default() };
+            self.show(&verdict, is_any && file.rig.cables.len() > LEAST_CABLES)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }
@@ -83,15 +86,16 @@ impl Certify {
             force: self.force,
             torque: self.torque,
             friction: self.friction,
+            kept: Planner::from(ControllerParameters::of(rig)).allowance(),
             accuracy: self.accuracy.unwrap_or(rig.accuracy),
             sample_period: self.sample_period,
             delay: self.delay,
         }
     }
 
-    fn show(&self, verdict: &Verdict, many: bool) -> Result<()> {
+    fn show(&self, verdict: &Verdict, is_any_distribution: bool) -> Result<()> {
         print(&match verdict {
-            Verdict::Admissible { least, greatest } if many => {
+            Verdict::Admissible { least, greatest } if is_any_distribution => {
                 format!("admissible: at all times there are tensions between {least:.3} and {greatest:.3} N")
             }
             Verdict::Admissible { least, greatest } => {

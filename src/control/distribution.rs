@@ -17,7 +17,7 @@ use crate::robot::{Cable, LEAST_CABLES, MOST_CABLES, PerCable, Rig, TensionLimit
 const _: () = assert!(MOST_CABLES <= MOST_UNKNOWNS);
 
 /// K of (D1): the margin is given up by 1e-8 of how far the reference pulls beyond it.
-const STIFFNESS: f64 = 1e8;
+pub const STIFFNESS: f64 = 1e8;
 /// The same for the limits, once they cannot be kept.
 const STIFFNESS_OF_LIMITS: f64 = 1e10;
 /// Limits count as kept within this share of the largest tension and limit at hand.

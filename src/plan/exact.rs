@@ -24,7 +24,7 @@ const LEFT: f64 = 0.9;
 
 impl Planner {
     /// The tension that is left unused at rest in every cable beside the limits, N.
-    pub(super) fn allowance(&self) -> f64 {
+    pub fn allowance(&self) -> f64 {
         SPARE * self.rig().weight()
     }
 

@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 
 use super::Cause;
 use super::motion::Step;
-use super::statics::{Cables, stiffness};
+use super::statics::{Pulling, least_sideways, stiffness};
 use crate::reach::Curve;
 use crate::robot::pose::{PITCH, ROLL};
 use crate::robot::{Coordinates, Pose, Rig};
 
 /// Makes an upper bound of a formula of positive terms that is computed with rounding.
-const UPWARDS: f64 = 1.0 + 1e-9;
+pub const UPWARDS: f64 = 1.0 + 1e-9;
 /// By how much a bound of the disturbing accelerations is tried larger than what the last one led to.
 const GROWTH: f64 = 1.02;
 /// Bounds tried.
@@ -31,6 +31,8 @@ pub struct Margins {
     pub torque: f64,
     /// Difference of what a cable pulls from what was commanded, N: friction that no force loop makes up for.
     pub friction: f64,
+    /// What the law keeps from the limits where it can, N: more than six cables must be shared by (D1) with this margin.
+    pub kept: f64,
     /// Distance of anchors and attachments from where the rig says they are, m.
     pub accuracy: f64,
     /// Longest time for which a command is held, s.
@@ -55,8 +57,10 @@ pub struct Tube {
 pub struct Extent {
     /// Greatest sum of the tensions, N.
     pub pull: f64,
-    /// Shortest cable, m.
+    /// Shortest straight part of a cable, m.
     pub shortest: f64,
+    /// Least distance of an attachment from the axis of its pulley, m; infinite without pulleys.
+    pub sideways: f64,
     /// Bounds of [`stiffness`].
     pub stiffness: [[f64; 6]; 3],
 }
@@ -64,16 +68,19 @@ pub struct Extent {
 impl Extent {
     /// Of nothing yet.
     pub fn none() -> Self {
-        Self { pull: 0.0, shortest: f64::INFINITY, stiffness: [[0.0; 6]; 3] }
+        let far = f64::INFINITY;
+        Self { pull: 0.0, shortest: far, sideways: far, stiffness: [[0.0; 6]; 3] }
     }
 
     /// Takes in a span.
-    pub fn include(&mut self, rig: &Rig, cables: &Cables) {
-        let pull: f64 = cables.tension.iter().map(|tension| tension.range()[1]).sum();
+    pub fn include(&mut self, rig: &Rig, pulling: &Pulling) {
+        let apart = pulling.apart * (pulling.tension.len() as f64).sqrt();
+        let pull = pulling.tension.iter().map(|tension| tension.range()[1]).sum::<f64>() + apart;
         self.pull = self.pull.max(pull * UPWARDS);
         self.shortest =
-            cables.length.iter().fold(self.shortest, |least, length| least.min(length.range()[0]));
-        self.raise_stiffness(&stiffness(rig, cables));
+            pulling.length.iter().fold(self.shortest, |least, length| least.min(length.range()[0]));
+        self.sideways = self.sideways.min(least_sideways(rig, pulling));
+        self.raise_stiffness(&stiffness(rig, pulling));
     }
 
     fn raise_stiffness(&mut self, other: &[[f64; 6]; 3]) {
@@ -88,6 +95,7 @@ impl Extent {
         Self {
             pull: 1.1 * self.pull,
             shortest: 0.97 * self.shortest,
+            sideways: 0.97 * self.sideways,
             stiffness: self.stiffness.map(|row| row.map(|k| 1.05 * k + 0.05 * largest)),
         }
     }
@@ -97,6 +105,7 @@ impl Extent {
         let stiffness = self.stiffness.as_flattened().iter().zip(assumed.stiffness.as_flattened());
         self.pull <= assumed.pull
             && self.shortest >= assumed.shortest
+            && self.sideways >= assumed.sideways
             && stiffness.into_iter().all(|(k, most)| k <= most)
     }
 }
@@ -217,11 +226,12 @@ impl<'a> Around<'a> {
         let Self { rig, margins, age, .. } = *self;
         // True cables may be shorter, and hold the platform farther out, than is believed.
         let radius = rig.platform_radius() + margins.accuracy;
-        let shortest = extent.shortest - 2.0 * margins.accuracy;
+        let wheels = Wheels::new(rig, extent, margins.accuracy)?;
+        let shortest = wheels.shortest;
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
         let told = self.told();
         let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &told, k));
-        if shortest <= 0.0 || lost_angles(self.step, &told).is_some() {
+        if lost_angles(self.step, &told).is_some() {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
@@ -233,7 +243,7 @@ impl<'a> Around<'a> {
         let [dx, dy, dz, d_roll, d_pitch, d_yaw]: [f64; 6] = self.rates.into();
         let twist = [dx, dy, dz, d_roll + pitch * d_yaw, d_pitch + roll * d_yaw, d_yaw + roll * d_pitch];
         // The stiffness is that of the rig as it is believed to be; the true one differs by this share of all its terms' sizes.
-        let differs = 2.0 * margins.accuracy / rig.platform_radius() + 3.0 * bent;
+        let differs = 2.0 * margins.accuracy / rig.platform_radius() + 3.0 * bent + wheels.differ;
         let unknown = extent.pull * radius * (spin + swing) * differs;
         let turned =
             |k: usize| ((0..6).map(|j| extent.stiffness[k][j] * twist[j]).sum::<f64>() + unknown) * age;
@@ -266,6 +276,32 @@ impl<'a> Around<'a> {
     }
 }
 
+/// What ends that are off do to cables over pulleys; docs/certificate.md, "Pulleys".
+struct Wheels {
+    /// Shortest straight part that there may be, m.
+    shortest: f64,
+    /// How much the change of direction with the pose differs from what is believed, as a share, besides 3 β.
+    differ: f64,
+}
+
+impl Wheels {
+    /// `None` where a cable may have no straight part, or an attachment come nearer to the axis of a pulley than its radius.
+    fn new(rig: &Rig, extent: &Extent, accuracy: f64) -> Option<Self> {
+        let radius = rig.cables.iter().filter_map(|cable| Some(cable.pulley?.radius)).fold(0.0, f64::max);
+        // l² = d² - r², d from the attachment to the centre of the wheel.
+        let nearest = extent.shortest.hypot(radius) - 2.0 * accuracy;
+        let shortest = (nearest * nearest - radius * radius).sqrt();
+        let sideways = extent.sideways - 2.0 * accuracy;
+        if nearest <= radius || shortest.is_nan() || sideways < radius {
+            return None;
+        }
+        let bent = 2.0 * accuracy / shortest;
+        let differ =
+            if radius > 0.0 { bent * (1.0 + nearest / shortest) + 12.0 * accuracy / sideways } else { 0.0 };
+        Some(Self { shortest, differ })
+    }
+}
+
 /// Of x, y, z together.
 fn linear(q: &Coordinates) -> f64 {
     q.fixed_rows::<3>(0).norm()
@@ -280,7 +316,9 @@ fn angular(q: &Coordinates) -> f64 {
 mod tests {
     use super::*;
     use crate::control::{Gains, Response};
-    use crate::robot::{RobotParameters, TensionLimits};
+    use crate::robot::{Pulley, RobotParameters, TensionLimits};
+    use nalgebra::Matrix3;
+    use rand::{RngExt, SeedableRng};
 
     fn step(lambda: f64, eta: f64) -> Step {
         let gains = Gains { lambda, eta };
@@ -318,7 +356,7 @@ mod tests {
     fn a_force_alone_moves_the_robot_by_force_over_stiffness() {
         let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         let margins = Margins { force: 0.6, ..Margins::default() };
-        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        let extent = Extent { pull: 70.0, shortest: 0.9, sideways: f64::INFINITY, stiffness: [[20.0; 6]; 3] };
         let tube = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
         let expected = 0.6 / 6.0 / 9.0;
         assert!(tube.coordinates[2] >= expected && tube.coordinates[2] < 1.05 * expected, "{tube:?}");
@@ -329,7 +367,46 @@ mod tests {
     fn what_the_loop_cannot_stand_has_no_tube() {
         let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         let margins = Margins { delay: 0.2, ..Margins::default() };
-        let extent = Extent { pull: 70.0, shortest: 0.9, stiffness: [[20.0; 6]; 3] };
+        let extent = Extent { pull: 70.0, shortest: 0.9, sideways: f64::INFINITY, stiffness: [[20.0; 6]; 3] };
         assert_eq!(tube(&rig, &step(3.0, 3.0), &margins, &extent), None);
+    }
+
+    /// Cables over wheels whose ends are both off: what [`Wheels`] says of their straight parts, directions and how these change with the pose.
+    #[test]
+    fn ends_that_are_off_change_a_cable_over_a_pulley_no_more_than_is_said() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(8);
+        let (accuracy, axis) = (1e-3, Vector3::z());
+        let (mut tried, mut most) = (0, [0.0_f64; 2]);
+        while tried < 20_000 {
+            let radius = rng.random_range(0.01..0.2);
+            let pulley = Pulley { radius, axis };
+            let at = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0_f64));
+            let run = pulley.run(&at);
+            let mut rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+            rig.cables[0].pulley = Some(pulley);
+            let sideways = at.xy().norm();
+            let extent = Extent { pull: 1.0, shortest: run.free, sideways, stiffness: [[0.0; 6]; 3] };
+            let Some(wheels) = Wheels::new(&rig, &extent, accuracy).filter(|_| run.free > 0.02) else {
+                continue;
+            };
+            tried += 1;
+            let mut off = || Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0_f64)).normalize() * accuracy;
+            let moved = at + off() + off();
+            let other = pulley.run(&moved);
+            let bent = 2.0 * accuracy / wheels.shortest;
+            assert!(other.free >= wheels.shortest && (other.direction - run.direction).norm() <= bent);
+            let slopes = [at, moved].map(|at| {
+                Matrix3::from_columns(&[0, 1, 2].map(|k| {
+                    let direction = |h: f64| pulley.run(&(at + Vector3::ith(k, h))).direction;
+                    (direction(1e-6) - direction(-1e-6)) / 2e-6
+                }))
+            });
+            let differ = (slopes[0] - slopes[1]).singular_values().max() * wheels.shortest;
+            let said = 3.0 * bent + wheels.differ;
+            assert!(differ <= said + 1e-6, "{differ}, not {said}");
+            assert!(slopes[1].singular_values().max() * wheels.shortest <= 1.0 + 1e-6);
+            most = [most[0].max((other.direction - run.direction).norm() / bent), most[1].max(differ / said)];
+        }
+        assert!(most[0] > 0.5 && most[1] > 0.1, "{most:?}");
     }
 }

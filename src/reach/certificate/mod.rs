@@ -18,7 +18,7 @@ pub use motion::Step;
 
 use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
-use statics::Cables;
+use statics::Pulling;
 use taylor::Taylor;
 
 /// What is known of a step.
@@ -85,17 +85,6 @@ pub enum CertificateError {
     /// Fewer than six cables hold no platform.
     #[error("the rig has {0} cables: at least 6 are needed")]
     Cables(usize),
-    /// With more than six cables a disturbance does what the way in which they share the load makes of it.
-    #[error(
-        "margins are known for 6 cables only, the rig has {cables}: with more, what a disturbance does depends on how the tensions are shared"
-    )]
-    Margins {
-        /// How many there are.
-        cables: usize,
-    },
-    /// What a disturbance does to a cable on a pulley is not known.
-    #[error("margins are known without pulleys only: cable {0} has one")]
-    Pulley(usize),
     /// A number is out of range.
     #[error("{name} = {value} is not allowed: {allowed}")]
     Value {
@@ -129,14 +118,7 @@ pub fn certify_within(
     spans: &mut usize,
 ) -> Result<Verdict, CertificateError> {
     check(rig, limits, step)?;
-    if rig.cables.len() > LEAST_CABLES {
-        return Ok(
-            any_distribution(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible())
-        );
-    }
-    let mut range = Range::none();
-    let shown = closed_form(rig, limits, step, spans, |cables| range.include(&cables.tension));
-    Ok(shown.map_or_else(|no| no, |()| range.admissible()))
+    Ok(closed_form(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible()))
 }
 
 /// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
@@ -144,76 +126,99 @@ pub fn certify_within(
 ///
 /// "Not admissible" is proved of the closed form. Where that is admissible and the margins take too much, the answer is "undecided".
 ///
+/// More than six cables must be shared by (D1), which keeps `margins.kept` from the limits: at least `friction` and a ten-thousandth of how far the
+/// tensions are from its reference.
+///
 /// # Errors
-/// As [`certify`], for margins that make no sense and for any but 0 with more than six cables.
+/// As [`certify`], and for margins that make no sense.
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
     check(rig, &rig.limits(), step)?;
     check_margins(margins)?;
-    let cables = rig.cables.len();
-    if *margins == Margins::default() {
+    if *margins == (Margins { kept: margins.kept, ..Margins::default() }) {
         return certify(rig, step);
-    }
-    if cables > LEAST_CABLES {
-        return Err(CertificateError::Margins { cables });
-    }
-    if let Some(i) = rig.cables.iter().position(|cable| cable.pulley.is_some()) {
-        return Err(CertificateError::Pulley(i + 1));
     }
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
 
+/// The bounds of the tensions, of more than six cables of some that keep the limits.
 fn closed_form(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
     step: &Step,
     spans: &mut usize,
-    inside: impl FnMut(&Cables),
-) -> Result<(), Verdict> {
-    if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
-        return Err(undecided_at_large(cause));
-    }
-    search::walk(rig, step, &Tube::empty(), limits, spans, inside)
-}
-
-fn any_distribution(
-    rig: &Rig,
-    limits: &PerCable<TensionLimits>,
-    step: &Step,
-    spans: &mut usize,
 ) -> Result<Range, Verdict> {
-    if let Some(cause) = margins::lost_angles(step, &Tube::empty()) {
+    let tube = Tube::empty();
+    if let Some(cause) = margins::lost_angles(step, &tube) {
         return Err(undecided_at_large(cause));
     }
     let mut range = Range::none();
-    search::cover(step, spans, |span| {
-        redundant::look(rig, limits, step, span, |tensions| range.include(tensions))
-    })?;
+    if rig.cables.len() == LEAST_CABLES {
+        search::walk(rig, step, &tube, limits, spans, |cables| range.include(&cables.tension, 0.0))?;
+    } else {
+        search::cover(step, spans, |span| {
+            redundant::look(rig, limits, (step, &tube), (span, 1.0), |_, tensions, _| {
+                range.include(tensions, 0.0)
+            })
+        })?;
+    }
     Ok(range)
+}
+
+/// Shows that all motions in a tube keep within the limits. `inside` is shown the cables as the law makes them pull, over spans that cover all time, and
+/// by how much the law may intrude on its margin.
+fn walk(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    (step, tube): (&Step, &Tube),
+    spans: &mut usize,
+    mut inside: impl FnMut(&Pulling, f64),
+) -> Result<(), Verdict> {
+    if rig.cables.len() == LEAST_CABLES {
+        return search::walk(rig, step, tube, limits, spans, |cables| inside(&cables.pulling(), 0.0));
+    }
+    search::cover(step, spans, |span| {
+        redundant::look(rig, limits, (step, tube), (span, SHARE), |system, tensions, law| {
+            let near = law.nearness(system, tensions);
+            inside(&system.pulling(tensions, near.distance), near.intrusion);
+        })
+    })
 }
 
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
 fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
-    let friction = margins.friction;
-    let limits = rig.limits().map(|limits| limits.shrunk(friction));
+    let is_one = rig.cables.len() == LEAST_CABLES;
+    let (friction, kept) = (margins.friction, if is_one { margins.friction } else { margins.kept });
+    let limits = rig.limits().map(|limits| limits.shrunk(kept));
+    let spans = || search::MOST_SPANS;
+    closed_form(rig, &rig.limits(), step, &mut spans())?;
     let mut extent = Extent::none();
-    closed_form(rig, &rig.limits(), step, &mut { search::MOST_SPANS }, |cables| extent.include(rig, cables))?;
+    let still = (step, &Tube::empty());
+    walk(rig, &limits, still, &mut spans(), |pulling, _| extent.include(rig, pulling))
+        .map_err(Verdict::of_a_tube)?;
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
         let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
-        let mut range = Range::none();
+        let (mut range, mut intruded) = (Range::none(), 0.0_f64);
         extent = Extent::none();
-        let inside = |cables: &Cables| {
-            range.include(&cables.tension);
-            extent.include(rig, cables);
-        };
-        search::walk(rig, step, &tube, &limits, &mut { search::MOST_SPANS }, inside)
-            .map_err(Verdict::of_a_tube)?;
+        walk(rig, &limits, (step, &tube), &mut spans(), |pulling, intrusion| {
+            extent.include(rig, pulling);
+            range.include(pulling.tension, pulling.apart);
+            intruded = intruded.max(intrusion);
+        })
+        .map_err(Verdict::of_a_tube)?;
+        if !is_one && kept < friction + intruded {
+            break;
+        }
         if extent.is_within(&guess) {
-            return Ok(Range { least: range.least - friction, greatest: range.greatest + friction });
+            return Ok(range.within(&limits, intruded).widened(friction));
         }
     }
     Err(undecided_at_large(Cause::TooClose))
 }
+
+/// How far inside the limits, of how far they can be, tensions of more than six cables are shown: the nearer they are to the law's, the less is lost, and the
+/// longer they keep the limits, the fewer spans are looked at.
+const SHARE: f64 = 0.2;
 
 /// Guesses at what the cables come to in the tube.
 const MOST_GUESSES: usize = 5;
@@ -229,11 +234,22 @@ impl Range {
         Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY }
     }
 
-    fn include(&mut self, tensions: &[Taylor]) {
+    fn include(&mut self, tensions: &[Taylor], apart: f64) {
         for [least, greatest] in tensions.iter().map(Taylor::range) {
-            self.least = self.least.min(least);
-            self.greatest = self.greatest.max(greatest);
+            self.least = self.least.min(least - apart);
+            self.greatest = self.greatest.max(greatest + apart);
         }
+    }
+
+    /// Cut off at the outermost limits and what is intruded beyond them.
+    fn within(&self, limits: &PerCable<TensionLimits>, intruded: f64) -> Self {
+        let least = limits.iter().map(|limits| limits.min - intruded).fold(f64::INFINITY, f64::min);
+        let greatest = limits.iter().map(|limits| limits.max + intruded).fold(0.0, f64::max);
+        Self { least: self.least.max(least), greatest: self.greatest.min(greatest) }
+    }
+
+    fn widened(&self, by: f64) -> Self {
+        Self { least: self.least - by, greatest: self.greatest + by }
     }
 
     fn admissible(&self) -> Verdict {
@@ -246,7 +262,7 @@ impl Verdict {
     /// make the motion itself singular.
     fn of_a_tube(self) -> Self {
         match self {
-            Self::NotAdmissible { time, .. } => {
+            Self::NotAdmissible { time, .. } | Self::NoDistribution { time, .. } => {
                 Self::Undecided { time, resolution: 0.0, cause: Cause::TooClose }
             }
             Self::Undecided { time, resolution, cause: Cause::Singular } => {
@@ -297,6 +313,7 @@ fn check_margins(margins: &Margins) -> Result<(), CertificateError> {
         ("margins.force", margins.force),
         ("margins.torque", margins.torque),
         ("margins.friction", margins.friction),
+        ("margins.kept", margins.kept),
         ("margins.accuracy", margins.accuracy),
         ("margins.sample_period", margins.sample_period),
         ("margins.delay", margins.delay),

@@ -4,39 +4,42 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::margins::Tube;
+use super::margins::{Tube, UPWARDS};
 use super::motion::{Span, Step};
 use super::search::{Finding, judge};
 use super::statics::{System, solve};
 use super::taylor::{Taylor, combination};
 use super::{Cause, Verdict};
-use crate::control::distribution::{Distribution, Solutions, reference};
+use crate::control::distribution::{Distribution, STIFFNESS, Solutions, reference};
 use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// What rounding leaves of the widest margin.
 const LESS: f64 = 1.0 - 1e-9;
 /// By how much, as a share of itself, a proof is bent so that rounding does not spoil it.
 const AGAINST_ROUNDING: f64 = 1e-12;
+/// A tension counts as held by a limit within this share of the weight.
+const HELD: f64 = 1e-9;
 /// A limit counts as standing against the wrench from this share of all of them on.
 const NAMED: f64 = 1e-4;
 
-/// Looks for tensions of the closed form over `span`; `inside` is shown those that are within the limits.
+/// Looks for tensions of all motions in a tube over `span`, `share` of the way that they can be inside the limits; `inside` is shown those that are
+/// within the limits, and what the law has to do with them.
 pub fn look(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
-    step: &Step,
-    span: Span,
-    inside: impl FnOnce(&[Taylor]),
+    (step, tube): (&Step, &Tube),
+    (span, share): (Span, f64),
+    inside: impl FnOnce(&System, &[Taylor], &Law),
 ) -> Finding {
-    let Some(system) = System::new(rig, &step.motion(span, &Tube::empty())) else {
+    let Some(system) = System::new(rig, &step.motion(span, tube)) else {
         return Finding::Untold(Cause::Singular);
     };
     let (matrix, wrench) = middle(&system);
     let Some(solutions) = Solutions::new(&matrix, &wrench, rig.platform_radius()) else {
         return Finding::Untold(Cause::Singular);
     };
-    // As far inside as can be, up to what the reference is above the least tension: in the span they change.
-    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0) * LESS;
+    // Up to what the reference is above the least tension: in the span they change.
+    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0) * LESS * share;
     let shrunk = limits.map(|limits| limits.shrunk(margin));
     match solutions.distribute(&shrunk, &reference(rig), 0.0) {
         Distribution::Infeasible { weights, .. } => {
@@ -51,7 +54,7 @@ pub fn look(
             None => Finding::Untold(Cause::Singular),
             Some(tensions) => match judge(&tensions, limits, span) {
                 None => {
-                    inside(&tensions);
+                    inside(&system, &tensions, &Law { rig, limits: *limits, matrix, solutions });
                     Finding::Inside
                 }
                 // These tensions leave the limits; others may not.
@@ -60,6 +63,79 @@ pub fn look(
             },
         },
     }
+}
+
+/// The law (D1) over a span, where tensions are shown that keep its margin from the rig's limits. Derived in docs/certificate.md, "More than six".
+pub struct Law<'a> {
+    rig: &'a Rig,
+    /// The rig's, with the law's margin kept from them.
+    limits: PerCable<TensionLimits>,
+    /// In the middle of the span.
+    matrix: PerCable<Vector6<f64>>,
+    solutions: Solutions,
+}
+
+/// How near the law's tensions are to those shown, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearness {
+    /// All together: the norm of the difference.
+    pub distance: f64,
+    /// By how much they intrude on the law's margin.
+    pub intrusion: f64,
+}
+
+impl Law<'_> {
+    /// û `shown`, u the law's: |û - u|² ≤ 2 (F(û) - F(u)), since F, the objective of (D1), is strictly convex and |û - r|²/2 at û. F(u) is
+    /// at least its dual value for any y. With c = Wᵀ y that leaves
+    ///
+    /// ```text
+    /// F(û) - F(u) ≤ Σ max over u of (û - u) ((û + u)/2 - r - c),   u in the limits and what is intruded beyond them
+    /// ```
+    ///
+    /// and the maximum is at u = r + c, or at the limit next to it. y is that of the law in the middle of the span.
+    pub fn nearness(&self, system: &System, shown: &[Taylor]) -> Nearness {
+        let reference = reference(self.rig);
+        let intrusion = from(&reference, shown) / STIFFNESS.sqrt() * UPWARDS;
+        let y = self.multipliers(&reference);
+        let of_cable = |i: usize| {
+            let (u, r, limits) = (shown[i], Taylor::constant(reference[i]), self.limits[i]);
+            let c = combination(y, system.columns[i].each_ref()) * system.length[i].inverse();
+            let off = u - r - c;
+            let [from, to] = (r + c).range();
+            let at =
+                |limit: f64| (u + Taylor::constant(-limit)) * (off - (u + Taylor::constant(-limit)) * 0.5);
+            let (least, greatest) = (limits.min - intrusion, limits.max + intrusion);
+            let most = if to <= least {
+                at(least)
+            } else if from >= greatest {
+                at(greatest)
+            } else {
+                off * off * 0.5
+            };
+            most.range()[1].max(0.0)
+        };
+        let gap: f64 = (0..shown.len()).map(of_cable).sum();
+        Nearness { distance: (2.0 * gap).sqrt() * UPWARDS, intrusion }
+    }
+
+    /// y with (Wᵀ y)ᵢ = uᵢ - rᵢ for the law's tensions u in the middle that no limit holds, nearly.
+    fn multipliers(&self, reference: &PerCable<f64>) -> [f64; 6] {
+        let tensions = self.solutions.tensions_within(&self.limits, self.rig);
+        let (mut normal, mut aim) = (Matrix6::zeros(), Vector6::zeros());
+        for (i, column) in self.matrix.iter().enumerate() {
+            if self.limits[i].margin(tensions[i]) > HELD * self.rig.weight() {
+                normal += column * column.transpose();
+                aim += column * (tensions[i] - reference[i]);
+            }
+        }
+        normal.lu().solve(&aim).unwrap_or_default().into()
+    }
+}
+
+/// An upper bound of |u - r|, N.
+fn from(reference: &PerCable<f64>, tensions: &[Taylor]) -> f64 {
+    let square = |(u, r): (&Taylor, &f64)| (*u + Taylor::constant(-r)).size().powi(2);
+    tensions.iter().zip(reference.iter()).map(square).sum::<f64>().sqrt()
 }
 
 /// The wrench matrix and the wrench in the middle of the span, nearly.
@@ -144,6 +220,7 @@ fn refusal(
 mod tests {
     use super::*;
     use crate::control::Gains;
+    use crate::control::distribution::share;
     use crate::robot::{Coordinates, Pose, RigFile};
     use rand::{RngExt, SeedableRng};
 
@@ -181,6 +258,40 @@ mod tests {
             }
             assert!(errors.amax() < 1.0, "{errors}");
         }
+    }
+
+    /// Also where the law's margin holds some of the tensions.
+    #[test]
+    fn the_law_is_as_near_to_the_tensions_shown_as_is_said() {
+        let rig = eight();
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(91);
+        let (mut shown, mut held) = (0, 0);
+        for case in 0..400 {
+            let mut any = |size: f64| rng.random_range(-size..size);
+            let start = Pose(Coordinates::new(any(1.9), any(1.4), 2.0, any(0.2), any(0.2), any(0.2)));
+            let step = Step { start, rates: Coordinates::zeros(), ..STEP };
+            let kept = 30.0 * f64::from(case % 2);
+            let limits = rig.limits().map(|limits| limits.shrunk(kept));
+            let span = Span::Between(0.1, 0.1 + any(0.05).abs());
+            look(&rig, &limits, (&step, &Tube::empty()), (span, 0.2), |over, tensions, law| {
+                let near = law.nearness(over, tensions);
+                shown += 1;
+                for tau in [-1.0, -0.4, 0.0, 0.7, 1.0] {
+                    let time = span.time(tau);
+                    let (matrix, wrench) = middle(&system(&rig, &step, Span::Between(time, time)));
+                    // In the platform's frame: the rotation changes no tension.
+                    let pulled = share(&rig, &matrix, &wrench, kept).unwrap();
+                    let value = |u: &Taylor| u.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
+                    let apart =
+                        tensions.iter().zip(&pulled).map(|(u, p)| (value(u) - p).powi(2)).sum::<f64>().sqrt();
+                    let most = near.distance + tensions.iter().map(|u| u.error).sum::<f64>() + 1e-9;
+                    assert!(apart <= most, "{apart} N, not {most} N");
+                    held += usize::from(pulled.iter().any(|u| *u < 5.0 + kept + 0.01));
+                    assert!(pulled.iter().all(|u| *u > 5.0 + kept - near.intrusion - 1e-9));
+                }
+            });
+        }
+        assert!(shown > 200 && held > 50, "{shown} and {held}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::motion::Motion;
 use super::taylor::{ORDER, Taylor, combination};
 use crate::robot::triangles::SIX;
-use crate::robot::{Cable, PerCable, Rig};
+use crate::robot::{Cable, PerCable, Pulley, Rig};
 
 type Vector = [Taylor; 3];
 
@@ -15,11 +15,37 @@ type Vector = [Taylor; 3];
 pub struct Cables {
     /// Tensions, N.
     pub tension: [Taylor; SIX],
-    /// Lengths, m.
-    pub length: [Taylor; SIX],
-    /// From attachment to anchor, m, in the platform's frame.
+    length: [Taylor; SIX],
     along: [Vector; SIX],
+    placed: Placed,
+}
+
+/// Where the platform is over a span of time.
+struct Placed {
     orientation: Orientation,
+    /// In the platform's frame, m.
+    position: Vector,
+}
+
+/// Cables that pull, over a span of time.
+pub struct Pulling<'a> {
+    /// Tensions, N,
+    pub tension: &'a [Taylor],
+    /// which may all together be as far from these, N.
+    pub apart: f64,
+    /// Lengths of the straight parts, m.
+    pub length: &'a [Taylor],
+    /// Along them, from the attachment, m, in the platform's frame.
+    along: PerCable<Vector>,
+    placed: &'a Placed,
+}
+
+impl Cables {
+    /// As they pull.
+    pub fn pulling(&self) -> Pulling<'_> {
+        let Self { tension, length, along, placed } = self;
+        Pulling { tension, apart: 0.0, length, along: PerCable::from_fn(SIX, |i| along[i]), placed }
+    }
 }
 
 /// The cables over the span of `motion`; `None` where the wrench matrix is singular or too near to it to tell.
@@ -27,22 +53,21 @@ pub struct Cables {
 /// The columns of the matrix are taken `length` times too long, which makes them linear in R and the position: what is solved for is
 /// tension over length.
 pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
-    let orientation = Orientation::new(motion);
-    let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
+    let placed = Placed::new(motion);
     let mut length = [Taylor::ZERO; SIX];
     let mut along = [[Taylor::ZERO; 3]; SIX];
     let mut matrix = [[Taylor::ZERO; SIX]; 6];
     for i in 0..SIX {
-        let column = column(&rig.cables[i], &orientation, &position)?;
+        let column = column(&rig.cables[i], &placed)?;
         along[i] = [column[0], column[1], column[2]];
         length[i] = norm(&along[i])?;
         for k in 0..6 {
             matrix[k][i] = column[k];
         }
     }
-    let per_length = solve(&matrix, &required_wrench(rig, motion, &orientation))?;
+    let per_length = solve(&matrix, &required_wrench(rig, motion, &placed.orientation))?;
     let tension = std::array::from_fn(|i| per_length[i] * length[i]);
-    Some(Cables { tension, length, along, orientation })
+    Some(Cables { tension, length, along, placed })
 }
 
 /// W u = w of any number of cables over a span of time.
@@ -53,27 +78,47 @@ pub struct System {
     pub length: PerCable<Taylor>,
     /// What the cables must give.
     pub wrench: [Taylor; 6],
+    placed: Placed,
 }
 
 impl System {
     /// The system over the span of `motion`; `None` where a cable may have no length.
     pub fn new(rig: &Rig, motion: &Motion) -> Option<Self> {
-        let orientation = Orientation::new(motion);
-        let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
+        let placed = Placed::new(motion);
         let count = rig.cables.len();
         let mut columns = PerCable::filled(count, [Taylor::ZERO; 6]);
         let mut length = PerCable::filled(count, Taylor::ZERO);
         for i in 0..count {
-            columns[i] = column(&rig.cables[i], &orientation, &position)?;
+            columns[i] = column(&rig.cables[i], &placed)?;
             length[i] = norm(&[columns[i][0], columns[i][1], columns[i][2]])?;
         }
-        Some(Self { columns, length, wrench: required_wrench(rig, motion, &orientation) })
+        Some(Self { columns, length, wrench: required_wrench(rig, motion, &placed.orientation), placed })
+    }
+
+    /// The cables as they pull with tensions that are no farther `apart` from these, N.
+    pub fn pulling<'a>(&'a self, tension: &'a [Taylor], apart: f64) -> Pulling<'a> {
+        let along = self.columns.map(|column| [column[0], column[1], column[2]]);
+        Pulling { tension, apart, length: &self.length, along, placed: &self.placed }
+    }
+}
+
+impl Placed {
+    fn new(motion: &Motion) -> Self {
+        let orientation = Orientation::new(motion);
+        let position = orientation.to_platform(&[0, 1, 2].map(|k| motion.coordinates[k]));
+        Self { orientation, position }
+    }
+
+    /// From an attachment to the anchor.
+    fn to_anchor(&self, cable: &Cable) -> Vector {
+        let anchor = self.orientation.turned_to_platform(&cable.anchor);
+        std::array::from_fn(|k| anchor[k] - self.position[k] + Taylor::constant(-cable.attachment[k]))
     }
 }
 
 /// From the attachment along the straight part of the cable, and the torque of a pull along it, both in the platform's frame: a column of the
 /// wrench matrix, `length` times too long. `None` where an attachment may be inside a pulley.
-fn column(cable: &Cable, orientation: &Orientation, position: &Vector) -> Option<[Taylor; 6]> {
+fn column(cable: &Cable, Placed { orientation, position }: &Placed) -> Option<[Taylor; 6]> {
     let attachment = &cable.attachment;
     let anchor = orientation.turned_to_platform(&cable.anchor);
     let from_centre: Vector = std::array::from_fn(|k| anchor[k] - position[k]);
@@ -88,9 +133,9 @@ fn column(cable: &Cable, orientation: &Orientation, position: &Vector) -> Option
     Some([along[0], along[1], along[2], torque[0], torque[1], torque[2]])
 }
 
-/// From the attachment to where the cable leaves the wheel: the formulas of [`Pulley::run`](crate::robot::Pulley::run).
+/// From the attachment to where the cable leaves the wheel, r (1 + cos θ) e + r sin θ axis from the anchor, with θ and e of
+/// [`Pulley::run`]: so written, what is not known of the attachment comes in once as it is, and else times r.
 fn over_pulley(radius: f64, axis: &Vector, to_anchor: &Vector) -> Option<Vector> {
-    let dot = |a: &Vector, b: &Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let height = -dot(to_anchor, axis);
     let sideways: Vector = std::array::from_fn(|k| -to_anchor[k] - axis[k] * height);
     let distance = norm(&sideways)?;
@@ -98,43 +143,86 @@ fn over_pulley(radius: f64, axis: &Vector, to_anchor: &Vector) -> Option<Vector>
     let square = p * p + q * q;
     let free =
         (square + Taylor::constant(-radius * radius).widened(f64::EPSILON * radius * radius)).sqrt()?;
-    let share = free * square.inverse();
-    let cos = (p * radius - q * free) * share;
-    let sin = (q * radius + p * free) * share * distance.inverse();
-    Some(std::array::from_fn(|k| axis[k] * cos - sideways[k] * sin))
+    let of_radius = square.inverse() * radius;
+    let cos = (p * radius - q * free) * of_radius;
+    let sin = (q * radius + p * free) * of_radius;
+    let outwards = (Taylor::constant(radius) + cos) * distance.inverse();
+    Some(std::array::from_fn(|k| to_anchor[k] + sideways[k] * outwards + axis[k] * sin))
 }
 
 /// Bounds of how much the torque of the cables about the platform's axes changes when it moves while the tensions are held:
 /// N m a metre along x, y, z of the base, N m a radian about the platform's axes.
 ///
-/// A cable that runs along v, of length l, pulls u v/l; moved by v' it pulls u/l (v' - v (v·v')/l²) more.
-pub fn stiffness(rig: &Rig, cables: &Cables) -> [[f64; 6]; 3] {
+/// In the platform's frame a turn of the platform turns all that is fixed in the base the other way round, the cables' directions too; besides, the
+/// attachments move as in a shift.
+pub fn stiffness(rig: &Rig, pulling: &Pulling) -> [[f64; 6]; 3] {
     let mut torque = [[Taylor::ZERO; 3]; 6];
-    for i in 0..SIX {
-        let (v, attachment) = (&cables.along[i], &rig.cables[i].attachment);
-        let inverse_length = cables.length[i].inverse();
-        let (per_length, per_square) = (cables.tension[i] * inverse_length, inverse_length * inverse_length);
+    // Of a newton in each cable, squared and added up.
+    let mut of_one = [[0.0; 3]; 6];
+    for (i, cable) in rig.cables.iter().enumerate() {
+        let (along, attachment) = (&pulling.along[i], &cable.attachment);
+        let inverse_length = pulling.length[i].inverse();
+        let swivel = cable.pulley.as_ref().map(|pulley| Swivel::new(pulley, cable, pulling, i));
         for j in 0..6 {
-            let moved =
-                if j < 3 { cables.orientation.rotation[j].map(|r| -r) } else { turned(v, attachment, j - 3) };
-            let along = (v[0] * moved[0] + v[1] * moved[1] + v[2] * moved[2]) * per_square;
-            let change: Vector = std::array::from_fn(|k| (moved[k] - v[k] * along) * per_length);
+            let (turned, moved) = if j < 3 {
+                ([Taylor::ZERO; 3], pulling.placed.orientation.rotation[j].map(|r| -r))
+            } else {
+                let axis = Vector3::ith(j - 3, 1.0);
+                (arm_cross(&-axis, along), attachment.cross(&axis).map(Taylor::constant).into())
+            };
+            let swung = swing(along, &pulling.length[i], swivel.as_ref(), &moved);
+            let change: Vector = std::array::from_fn(|k| (turned[k] + swung[k]) * inverse_length);
             let by_cable = arm_cross(attachment, &change);
-            torque[j] = std::array::from_fn(|k| torque[j][k] + by_cable[k]);
+            torque[j] = std::array::from_fn(|k| torque[j][k] + by_cable[k] * pulling.tension[i]);
+            of_one[j] = std::array::from_fn(|k| of_one[j][k] + by_cable[k].size().powi(2));
         }
     }
     let bound = |size: f64| if size.is_nan() { f64::INFINITY } else { size };
-    std::array::from_fn(|k| std::array::from_fn(|j| bound(torque[j][k].size())))
+    let size = |j: usize, k: usize| torque[j][k].size() + pulling.apart * of_one[j][k].sqrt() * ROUND_UP;
+    std::array::from_fn(|k| std::array::from_fn(|j| bound(size(j, k))))
 }
 
-/// How the way from attachment to anchor changes a radian of the platform's turn about its own axis: -(axis × from the centre).
-fn turned(along: &Vector, attachment: &Vector3<f64>, axis: usize) -> Vector {
-    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-    let from_centre = |k: usize| along[k] + Taylor::constant(attachment[k]);
-    let mut change = [Taylor::ZERO; 3];
-    change[next] = from_centre(last);
-    change[last] = -from_centre(next);
-    change
+/// By how much a cable that runs along v, of length l, changes its direction when its end moves by v', times l: v' - v (v·v')/l², across the cable;
+/// and over a pulley less than that out of the plane of the wheel.
+fn swing(along: &Vector, length: &Taylor, swivel: Option<&Swivel>, moved: &Vector) -> Vector {
+    let inverse = length.inverse();
+    let share = dot(along, moved) * (inverse * inverse);
+    let across = std::array::from_fn(|k| moved[k] - along[k] * share);
+    swivel.map_or(across, |swivel| {
+        let less = dot(&swivel.normal, moved) * swivel.less;
+        std::array::from_fn(|k| across[k] - swivel.normal[k] * less)
+    })
+}
+
+/// The plane of a wheel that swivels: with the attachment moved by δ along its normal n, n long as the attachment is far from the axis, e, it turns
+/// by δ/e, and the cable's direction with it by sin θ δ/e, where its straight part l has sin θ l = e - r (1 + cos θ).
+struct Swivel {
+    normal: Vector,
+    /// (1 - l sin θ/e)/e² = r (1 + cos θ)/e³.
+    less: Taylor,
+}
+
+impl Swivel {
+    fn new(pulley: &Pulley, cable: &Cable, pulling: &Pulling, i: usize) -> Self {
+        let axis = pulling.placed.orientation.turned_to_platform(&pulley.axis);
+        let normal = cross(&axis, &pulling.placed.to_anchor(cable));
+        let cos = dot(&axis, &pulling.along[i]) * pulling.length[i].inverse();
+        let square = dot(&normal, &normal);
+        let distance = square.sqrt().map_or(Taylor::ball(0.0, f64::INFINITY), |distance| distance.inverse());
+        let less = (Taylor::constant(1.0) + cos) * distance * square.inverse() * pulley.radius;
+        Self { normal, less }
+    }
+}
+
+/// A lower bound of how far the attachments are from the axes of their pulleys, m; infinite without pulleys.
+pub fn least_sideways(rig: &Rig, pulling: &Pulling) -> f64 {
+    let sideways = |cable: &Cable| {
+        let pulley = cable.pulley.as_ref()?;
+        let axis = pulling.placed.orientation.turned_to_platform(&pulley.axis);
+        let normal = cross(&axis, &pulling.placed.to_anchor(cable));
+        Some(norm(&normal).map_or(0.0, |distance| distance.range()[0]))
+    };
+    rig.cables.iter().filter_map(sideways).fold(f64::INFINITY, f64::min)
 }
 
 /// Sines and cosines of the angles and R = Rz(yaw) Ry(pitch) Rx(roll).
@@ -217,8 +305,19 @@ fn arm_cross(arm: &Vector3<f64>, v: &Vector) -> Vector {
     ]
 }
 
+fn dot(a: &Vector, b: &Vector) -> Taylor {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: &Vector, b: &Vector) -> Vector {
+    std::array::from_fn(|k| {
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        a[next] * b[last] - a[last] * b[next]
+    })
+}
+
 fn norm(v: &Vector) -> Option<Taylor> {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+    dot(v, v).sqrt()
 }
 
 /// All u with W u = w for some W of `matrix` and w of `wrench`.
@@ -352,30 +451,27 @@ mod tests {
     }
 
     #[test]
-    fn stiffness_is_the_change_of_the_torque() {
-        let rig = paper();
-        let motion = STEP.motion(Span::Between(0.3, 0.3), &Tube::empty());
-        let found = cables(&rig, &motion).unwrap();
-        let tension = found.tension.map(|u| u.coefficients[0]);
-        let pose = Pose(middle(&motion.coordinates));
-        let torque = |moved: &Vector3<f64>, turn: &Vector3<f64>| {
-            let rotation = pose.rotation() * Rotation3::from_scaled_axis(*turn);
-            rotation.inverse() * rig.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
-        };
-        let bounds = stiffness(&rig, &found);
-        for j in 0..6 {
-            let step = |h: f64| {
-                let axis = Vector3::from_fn(|k, _| if k == j % 3 { h } else { 0.0 });
-                if j < 3 { torque(&axis, &Vector3::zeros()) } else { torque(&Vector3::zeros(), &axis) }
+    fn stiffness_is_the_change_of_the_torque_also_over_pulleys() {
+        for rig in [paper(), odd()] {
+            let motion = STEP.motion(Span::Between(0.3, 0.3), &Tube::empty());
+            let found = cables(&rig, &motion).unwrap();
+            let tension = found.tension.map(|u| u.coefficients[0]);
+            let pose = Pose(middle(&motion.coordinates));
+            let torque = |moved: &Vector3<f64>, turn: &Vector3<f64>| {
+                let rotation = pose.rotation() * Rotation3::from_scaled_axis(*turn);
+                rotation.inverse() * rig.cables(&(pose.position() + moved), &rotation).wrench(&tension).1
             };
-            let change = (step(1e-5) - step(-1e-5)) / 2e-5;
-            for k in 0..3 {
-                assert!(
-                    (bounds[k][j] - change[k].abs()).abs() < 1e-6,
-                    "{k} {j}: {} {}",
-                    bounds[k][j],
-                    change[k]
-                );
+            let bounds = stiffness(&rig, &found.pulling());
+            for j in 0..6 {
+                let step = |h: f64| {
+                    let axis = Vector3::ith(j % 3, h);
+                    if j < 3 { torque(&axis, &Vector3::zeros()) } else { torque(&Vector3::zeros(), &axis) }
+                };
+                let change = (step(1e-5) - step(-1e-5)) / 2e-5;
+                for k in 0..3 {
+                    let (bound, size) = (bounds[k][j], change[k].abs());
+                    assert!((bound - size).abs() < 1e-6, "{k} {j}: {bound} {size}");
+                }
             }
         }
     }
