@@ -4,9 +4,9 @@
 
 use std::error::Error;
 
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
-use cable_robot::robot::{Pose, RigFile};
-use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot::plan::ControllerParameters;
+use cable_robot::robot::RigFile;
+use cable_robot::sim::{ClosedLoop, Moment, PlantParameters};
 
 /// s.
 const STEP: f64 = 1e-3;
@@ -20,42 +20,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut goal = home;
     goal.0[0] += 0.1 * rig.radius();
 
-    let inputs = |plant: &PlantOutputs, goal_pose: Pose| ControllerInputs {
-        encoder_pose: plant.encoder_pose,
-        cable_length: plant.cable_length,
-        measured_tension: plant.measured_tension,
-        goal_pose,
-        enable: true,
-    };
-    let parameters = ControllerParameters { lambda, eta, ..ControllerParameters::of(&rig) };
-    let hanging = PlantParameters { rig, initial_pose: home, ..PlantParameters::default() };
-    let mut pull = PlantInputs::none(rig.cables.len());
-    let seen = inputs(Plant::new(hanging, &pull)?.outputs(), goal);
-    let mut controller = Controller::new(parameters, 0.0, &seen)?;
-    pull.motor_tension = controller.outputs().motor_tension;
-    let mut plant = Plant::new(hanging, &pull)?;
+    let controller = ControllerParameters { lambda, eta, ..ControllerParameters::of(&rig) };
+    let plant = PlantParameters { rig, initial_pose: home, ..PlantParameters::default() };
+    let mut closed_loop = ClosedLoop::new(controller, plant, goal)?;
 
     let (mut given, mut smallest) = (0, f64::INFINITY);
-    for k in 0..20_000 {
-        let time = f64::from(k) * STEP;
-        controller.step(time, STEP, &inputs(plant.outputs(), goal));
-        let outputs = controller.outputs();
-        if outputs.set_point_index > given {
-            given = outputs.set_point_index;
-            println!("set point {given} after {time:.2} s: {:.4?}", outputs.set_point.position().as_slice());
+    for _ in 0..20_000 {
+        let Moment { time, controller, plant, .. } = *closed_loop.step(STEP)?;
+        if controller.set_point_index > given {
+            given = controller.set_point_index;
+            println!(
+                "set point {given} after {time:.2} s: {:.4?}",
+                controller.set_point.position().as_slice()
+            );
         }
-        pull.motor_tension = outputs.motor_tension;
-        plant.step(&pull, STEP)?;
-        smallest = plant.outputs().measured_tension.iter().copied().fold(smallest, f64::min);
-        if outputs.at_goal {
+        smallest = plant.measured_tension.iter().copied().fold(smallest, f64::min);
+        if controller.at_goal {
             println!("at the goal after {time:.2} s, smallest tension {smallest:.2} N");
             return Ok(());
         }
     }
-    println!(
-        "{:?} after 20 s, {:.4} m from the goal",
-        controller.outputs().status,
-        controller.outputs().goal_distance
-    );
+    let last = closed_loop.moment().controller;
+    println!("{:?} after 20 s, {:.4} m from the goal", last.status, last.goal_distance);
     Ok(())
 }

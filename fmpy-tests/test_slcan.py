@@ -1,4 +1,4 @@
-"""Our slcan against python-can's: frames through a pseudo-terminal, on which tests/slcan_peer.rs sends all of them back."""
+"""Our slcan against python-can's: frames through a pseudo-terminal, on which tests/programs/slcan_peer.rs sends all of them back."""
 
 import re
 import subprocess

@@ -1,12 +1,13 @@
-//! A scenario under way: controller and plant in a closed loop, each the library's own or another that does the same.
+//! Controller and plant in a closed loop, each the library's own or another that does the same.
 
 use std::error::Error;
 
+use nalgebra::Vector3;
 use thiserror::Error;
 
-use super::{Plant, PlantInputs, PlantOutputs, Scenario};
-use crate::plan::{Controller, ControllerInputs, ControllerOutputs};
-use crate::robot::Pose;
+use super::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use crate::plan::{Controller, ControllerInputs, ControllerOutputs, ControllerParameters};
+use crate::robot::{Coordinates, Pose};
 
 /// Why a model stopped, in its own words.
 pub type ModelError = Box<dyn Error + Send + Sync>;
@@ -71,6 +72,31 @@ impl PlantModel for Plant {
     }
 }
 
+impl ControllerModel for Box<dyn ControllerModel + '_> {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        (**self).start(inputs)
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        (**self).step(time, h, inputs)
+    }
+}
+
+impl PlantModel for Box<dyn PlantModel + '_> {
+    fn start(&mut self, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        (**self).start(inputs)
+    }
+
+    fn step(&mut self, time: f64, h: f64, inputs: &PlantInputs) -> Result<PlantOutputs, ModelError> {
+        (**self).step(time, h, inputs)
+    }
+}
+
 /// A simulation that cannot go on.
 #[derive(Debug, Error)]
 #[error("the {model} stopped at {time} s: {cause}")]
@@ -83,13 +109,46 @@ pub struct SimulationError {
     pub cause: ModelError,
 }
 
-/// A scenario under way. The controller steps first and reads the plant of the step's start, as in a real loop.
-pub struct ClosedLoop<'a> {
-    scenario: &'a Scenario,
-    controller: Box<dyn ControllerModel + 'a>,
-    plant: Box<dyn PlantModel + 'a>,
-    steps_done: u64,
+/// Controller and plant, joined. In each step the controller comes first and reads the plant of the step's start, as in a real loop.
+pub struct ClosedLoop<C = Controller, P = Plant> {
+    /// The controller.
+    pub controller: C,
+    /// The plant.
+    pub plant: P,
+    /// x_f.
+    pub goal: Pose,
+    /// Whether the controller may pull.
+    pub enable: bool,
+    /// On the platform's centre of mass, N, base frame.
+    pub disturbance_force: Vector3<f64>,
+    /// N m, base frame.
+    pub disturbance_torque: Vector3<f64>,
+    /// Whether the plant gets the tensions of the step before, as from a master that lets both step at once (Jacobi order).
+    pub is_late: bool,
     moment: Moment,
+    clock: Clock,
+}
+
+/// Time as the number of equal steps since the step last changed: a sum of many steps would be less exact.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    /// s.
+    since: f64,
+    steps: u32,
+    step: f64,
+}
+
+impl Clock {
+    fn time(&self) -> f64 {
+        self.since + f64::from(self.steps) * self.step
+    }
+
+    fn advance(&mut self, step: f64) {
+        if step != self.step {
+            *self = Self { since: self.time(), steps: 0, step };
+        }
+        self.steps += 1;
+    }
 }
 
 /// What controller and plant read and answered in the step that led to this moment.
@@ -107,104 +166,126 @@ pub struct Moment {
     pub plant: PlantOutputs,
 }
 
-impl<'a> ClosedLoop<'a> {
+impl ClosedLoop {
     /// The library's own controller and plant, started.
     ///
     /// # Errors
     /// [`SimulationError`] with the parameter that makes no sense.
-    pub fn new(scenario: &'a Scenario) -> Result<Self, SimulationError> {
-        let plant = Box::new(library_plant(scenario)?);
-        let controller = Box::new(library_controller(scenario)?);
-        Self::with_models(scenario, controller, plant)
+    pub fn new(
+        controller: ControllerParameters,
+        plant: PlantParameters,
+        goal: Pose,
+    ) -> Result<Self, SimulationError> {
+        let plant =
+            Plant::new(plant, &PlantInputs::none(plant.rig.cables.len())).map_err(stopped("plant", 0.0))?;
+        let seen = inputs(plant.outputs(), goal, true);
+        let controller = Controller::new(controller, 0.0, &seen).map_err(stopped("controller", 0.0))?;
+        let outside = PlantInputs::none(plant.parameters().rig.cables.len());
+        Self::with_models(controller, plant, goal, &outside)
     }
 
-    /// These models, started: the plant hangs, the controller reads it, the plant's motors pull what the controller says.
+    /// The same, the platform moving with these rates of the six coordinates (m/s, rad/s).
+    #[must_use]
+    pub fn moving(mut self, rates: &Coordinates) -> Self {
+        self.plant = self.plant.moving(rates);
+        self.moment.plant = *self.plant.outputs();
+        self
+    }
+}
+
+impl<C: ControllerModel, P: PlantModel> ClosedLoop<C, P> {
+    /// These models, started with the goal and the disturbances of `outside`: the plant hangs, the controller reads it, the plant's motors pull what the
+    /// controller says.
     ///
     /// # Errors
     /// [`SimulationError`]: what a model refuses.
     pub fn with_models(
-        scenario: &'a Scenario,
-        mut controller: Box<dyn ControllerModel + 'a>,
-        mut plant: Box<dyn PlantModel + 'a>,
+        mut controller: C,
+        mut plant: P,
+        goal: Pose,
+        outside: &PlantInputs,
     ) -> Result<Self, SimulationError> {
-        let hanging = plant
-            .start(&PlantInputs::none(scenario.plant.rig.cables.len()))
-            .map_err(stopped("plant", 0.0))?;
-        let read = inputs(&hanging, scenario.goal_at(0.0));
-        let answer = controller.start(&read).map_err(stopped("controller", 0.0))?;
-        let pull = pull(scenario, 0.0, &answer);
+        let none = PlantInputs::none(outside.motor_tension.len());
+        let hanging = plant.start(&none).map_err(stopped("plant", 0.0))?;
+        let seen = inputs(&hanging, goal, true);
+        let answer = controller.start(&seen).map_err(stopped("controller", 0.0))?;
+        let pull = PlantInputs { motor_tension: answer.motor_tension, ..*outside };
         let started = plant.start(&pull).map_err(stopped("plant", 0.0))?;
         let moment = Moment {
             time: 0.0,
-            controller_inputs: read,
+            controller_inputs: seen,
             controller: answer,
             plant_inputs: pull,
             plant: started,
         };
-        Ok(Self { scenario, controller, plant, steps_done: 0, moment })
+        Ok(Self {
+            controller,
+            plant,
+            goal,
+            enable: true,
+            disturbance_force: outside.disturbance_force,
+            disturbance_torque: outside.disturbance_torque,
+            is_late: false,
+            moment,
+            clock: Clock::default(),
+        })
     }
 
-    /// One step of the controller, then one of the plant.
+    /// One step of `h` s of the controller, then one of the plant.
     ///
     /// # Errors
     /// [`SimulationError`]: what a model refuses.
-    pub fn step(&mut self) -> Result<(), SimulationError> {
-        let (time, h) = (self.moment.time, self.scenario.step);
-        let read = inputs(&self.moment.plant, self.scenario.goal_at(time));
-        let answer = self.controller.step(time, h, &read).map_err(stopped("controller", time))?;
-        let pull = pull(self.scenario, time, &answer);
+    pub fn step(&mut self, h: f64) -> Result<&Moment, SimulationError> {
+        self.step_seeing(h, |_| ())
+    }
+
+    /// The same with what `change` makes of what the controller reads.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: what a model refuses.
+    pub fn step_seeing(
+        &mut self,
+        h: f64,
+        change: impl FnOnce(&mut ControllerInputs),
+    ) -> Result<&Moment, SimulationError> {
+        let time = self.moment.time;
+        let mut seen = inputs(&self.moment.plant, self.goal, self.enable);
+        change(&mut seen);
+        let before = self.moment.controller.motor_tension;
+        let answer = self.controller.step(time, h, &seen).map_err(stopped("controller", time))?;
+        let pull = PlantInputs {
+            motor_tension: if self.is_late { before } else { answer.motor_tension },
+            disturbance_force: self.disturbance_force,
+            disturbance_torque: self.disturbance_torque,
+        };
         let plant = self.plant.step(time, h, &pull).map_err(stopped("plant", time))?;
-        self.steps_done += 1;
+        self.clock.advance(h);
         self.moment = Moment {
-            time: self.steps_done as f64 * h,
-            controller_inputs: read,
+            time: self.clock.time(),
+            controller_inputs: seen,
             controller: answer,
             plant_inputs: pull,
             plant,
         };
-        Ok(())
+        Ok(&self.moment)
     }
 
-    /// Where the simulation is.
+    /// Where they are.
     pub fn moment(&self) -> &Moment {
         &self.moment
     }
-}
-
-/// The library's plant at the start of a scenario.
-///
-/// # Errors
-/// [`SimulationError`] with the parameter that makes no sense.
-pub fn library_plant(scenario: &Scenario) -> Result<Plant, SimulationError> {
-    Plant::new(scenario.plant, &PlantInputs::none(scenario.plant.rig.cables.len()))
-        .map_err(stopped("plant", 0.0))
-}
-
-/// The library's controller at the start of a scenario.
-///
-/// # Errors
-/// [`SimulationError`] with the parameter that makes no sense.
-pub fn library_controller(scenario: &Scenario) -> Result<Controller, SimulationError> {
-    let hanging = library_plant(scenario)?;
-    let read = inputs(hanging.outputs(), scenario.goal_at(0.0));
-    Controller::new(scenario.controller, 0.0, &read).map_err(stopped("controller", 0.0))
 }
 
 fn stopped<E: Into<ModelError>>(model: &'static str, time: f64) -> impl FnOnce(E) -> SimulationError {
     move |cause| SimulationError { model, time, cause: cause.into() }
 }
 
-fn inputs(plant: &PlantOutputs, goal: Pose) -> ControllerInputs {
+fn inputs(plant: &PlantOutputs, goal: Pose, enable: bool) -> ControllerInputs {
     ControllerInputs {
         encoder_pose: plant.encoder_pose,
         cable_length: plant.cable_length,
         measured_tension: plant.measured_tension,
         goal_pose: goal,
-        enable: true,
+        enable,
     }
-}
-
-fn pull(scenario: &Scenario, time: f64, controller: &ControllerOutputs) -> PlantInputs {
-    let (disturbance_force, disturbance_torque) = scenario.disturbance_at(time);
-    PlantInputs { motor_tension: controller.motor_tension, disturbance_force, disturbance_torque }
 }

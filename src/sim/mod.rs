@@ -1,4 +1,4 @@
-//! Section VI: the plant and its integrator; scenarios, and the closed loop that runs them.
+//! Section VI: the plant and its integrator, the closed loop, and scenarios for it.
 
 pub mod body;
 pub mod bundled;
@@ -7,9 +7,11 @@ pub mod integrator;
 pub mod plant;
 pub mod scenario;
 pub mod scenario_file;
+pub mod simulation;
 
 pub use bundled::BUNDLED;
 pub use closed_loop::{ClosedLoop, ControllerModel, ModelError, Moment, PlantModel, SimulationError};
 pub use plant::{Plant, PlantError, PlantInputs, PlantOutputs, PlantParameters};
 pub use scenario::{Disturbance, Goal, Scenario};
 pub use scenario_file::{ScenarioFile, ScenarioFileError};
+pub use simulation::Simulation;

@@ -3,9 +3,6 @@
 //! With it, what an instance takes from the heap at all.
 #![allow(unsafe_code)]
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/counting_allocator.rs"]
 mod counting_allocator;
 
 use std::ffi::CString;
@@ -13,11 +10,10 @@ use std::ptr::{null, null_mut};
 
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, RigFile, TensionLimits};
-use cable_robot::sim::PlantParameters;
+use cable_robot::sim::{ClosedLoop, PlantParameters};
 use cable_robot_fmi::abi::{fmi3::*, fmi3_values::*};
 use cable_robot_fmi::variables::Causality;
 use cable_robot_fmi::{MODELS, Model};
-use common::ClosedLoop;
 use counting_allocator::{BYTES, CALLS};
 
 #[test]
@@ -29,10 +25,10 @@ fn steps_of_the_library_allocate_nothing() {
         ..Default::default()
     };
     let parameters = ControllerParameters { force_loop: true, ..Default::default() };
-    let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0), 1e-3);
+    let mut closed_loop = ClosedLoop::new(parameters, rig, Pose::at(0.15, 0.15, 1.0)).unwrap();
     let before = CALLS.get();
     for _ in 0..3000 {
-        closed_loop.advance();
+        closed_loop.step(1e-3).unwrap();
     }
     assert_eq!(CALLS.get() - before, 0, "allocations in 3000 steps with 60 planner ticks");
     assert!(closed_loop.controller.outputs().set_point_index >= 1);
@@ -44,10 +40,10 @@ fn steps_of_the_exact_planner_allocate_nothing() {
     let mut parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
     parameters.rig = parameters.rig.with_limits(TensionLimits { min: 0.0, max: 16.0 });
     let goal = Pose(Coordinates::new(0.05, 0.0, 0.9, 0.1, 0.0, 0.9));
-    let mut closed_loop = ClosedLoop::new(parameters, PlantParameters::default(), goal, 1e-3);
+    let mut closed_loop = ClosedLoop::new(parameters, PlantParameters::default(), goal).unwrap();
     let before = CALLS.get();
     for _ in 0..3000 {
-        closed_loop.advance();
+        closed_loop.step(1e-3).unwrap();
     }
     assert_eq!(CALLS.get() - before, 0, "allocations in 3000 steps with 60 planner ticks");
     let output = closed_loop.controller.outputs();
@@ -62,15 +58,15 @@ fn goals_that_are_not_reachable_allocate_nothing() {
         let mut parameters = ControllerParameters::of(&file.rig);
         parameters.planner = PlannerKind::Exact;
         let rig = PlantParameters { rig: file.rig, initial_pose: file.home, ..Default::default() };
-        let mut closed_loop = ClosedLoop::new(parameters, rig, file.home, 1e-3);
-        closed_loop.advance();
+        let mut closed_loop = ClosedLoop::new(parameters, rig, file.home).unwrap();
+        closed_loop.step(1e-3).unwrap();
         let before = CALLS.get();
         for away in [[5.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.5, 0.0], [0.4, 0.3, 0.1, 1.5], [0.0, 9.0, 0.3, -2.0]]
         {
             let [x, y, z, yaw] = away;
             closed_loop.goal = Pose(file.home.0 + Coordinates::new(x, y, z, 0.1, 0.0, yaw));
             for _ in 0..500 {
-                closed_loop.advance();
+                closed_loop.step(1e-3).unwrap();
             }
         }
         assert_eq!(CALLS.get() - before, 0, "allocations in 2000 steps");

@@ -1,7 +1,6 @@
 //! The bridge allocates nothing once it and the controller are made: counted at the allocator, from power-on to the goal.
 #![allow(unsafe_code)]
 
-#[path = "../common/counting_allocator.rs"]
 mod counting_allocator;
 
 use cable_robot::plan::{ControllerInputs, ControllerParameters, PoseSource};

@@ -29,7 +29,7 @@ mod tests {
     use super::*;
     use cable_robot::plan::{ControllerParameters, PlannerKind};
     use cable_robot::robot::Pose;
-    use cable_robot::sim::{ClosedLoop, Goal, PlantParameters, Scenario};
+    use cable_robot::sim::{Goal, PlantParameters, Scenario, Simulation};
 
     /// From (0, 0, 1) to (0.1, 0.1, 1) and on to (-0.1, 0.05, 1), on an ideal rig or a noisy one.
     pub(super) fn run(planner: PlannerKind, duration: f64, noise: f64) -> RunFolder {
@@ -50,12 +50,12 @@ mod tests {
     }
 
     pub(super) fn record(scenario: &Scenario) -> RunFolder {
-        let mut closed_loop = ClosedLoop::new(scenario).unwrap();
+        let mut simulation = Simulation::new(scenario).unwrap();
         let mut recording = Recording::new(scenario.plant.rig.cables.len());
-        recording.push(closed_loop.moment()).unwrap();
+        recording.push(simulation.moment()).unwrap();
         for _ in 0..(scenario.duration / scenario.step).round() as usize {
-            closed_loop.step().unwrap();
-            recording.push(closed_loop.moment()).unwrap();
+            simulation.step().unwrap();
+            recording.push(simulation.moment()).unwrap();
         }
         let info = RunInfo {
             format: FORMAT,

@@ -103,7 +103,7 @@ impl Recording {
 mod tests {
     use super::*;
     use cable_robot::robot::Pose;
-    use cable_robot::sim::{ClosedLoop, Goal, PlantParameters, Scenario};
+    use cable_robot::sim::{Goal, PlantParameters, Scenario, Simulation};
 
     /// A second at rest in ten steps, with a goal.
     fn resting() -> Scenario {
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_not_taken_down() {
         let scenario = resting();
-        let mut moment = *ClosedLoop::new(&scenario).unwrap().moment();
+        let mut moment = *Simulation::new(&scenario).unwrap().moment();
         moment.plant.encoder_pose.0[1] = f64::INFINITY;
         let mut recording = Recording::new(6);
         let said = recording.push(&moment).unwrap_err().to_string();
@@ -145,12 +145,12 @@ mod tests {
     #[test]
     fn a_row_holds_what_controller_and_plant_said() {
         let scenario = resting();
-        let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
+        let mut simulation = Simulation::new(&scenario).unwrap();
         let mut recording = Recording::new(6);
-        recording.push(closed_loop.moment()).unwrap();
-        closed_loop.step().unwrap();
-        recording.push(closed_loop.moment()).unwrap();
-        let (table, moment) = (recording.into_table(), closed_loop.moment());
+        recording.push(simulation.moment()).unwrap();
+        simulation.step().unwrap();
+        recording.push(simulation.moment()).unwrap();
+        let (table, moment) = (recording.into_table(), simulation.moment());
         let last = |name: &str| *table.column(name).unwrap().last().unwrap();
         assert_eq!((table.rows(), last("time"), last("controller.goalPose.x")), (2, 0.1, 0.05));
         assert_eq!(last("controller.motorTension[6]"), moment.controller.motor_tension[5]);

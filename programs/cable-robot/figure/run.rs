@@ -3,7 +3,7 @@
 use anyhow::Result;
 use cable_robot::robot::triangles::SIX;
 use cable_robot::robot::{PerCable, Pose};
-use cable_robot::sim::{ClosedLoop, Moment, Scenario};
+use cable_robot::sim::{Moment, Scenario, Simulation};
 
 /// The goal of Section VI, m.
 pub const GOAL: [f64; 3] = [0.15, 0.15, 1.0];
@@ -46,7 +46,7 @@ pub struct Run {
 
 /// Runs a scenario.
 pub fn run(scenario: &Scenario) -> Result<Run> {
-    let mut closed_loop = ClosedLoop::new(scenario)?;
+    let mut simulation = Simulation::new(scenario)?;
     let mut run = Run {
         samples: vec![],
         set_points: vec![SetPoint { time: 0.0, position: place(&scenario.plant.initial_pose) }],
@@ -57,8 +57,8 @@ pub fn run(scenario: &Scenario) -> Result<Run> {
     };
     let steps = (scenario.duration / scenario.step).round() as u64;
     for k in 0..=steps {
-        run.record(k, scenario.step, closed_loop.moment());
-        closed_loop.step()?;
+        run.record(k, scenario.step, simulation.moment());
+        simulation.step()?;
     }
     Ok(run)
 }

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Error, Result, bail, ensure};
 use cable_robot::plan::{PlannerKind, Status};
 use cable_robot::robot::{Pose, RigFile};
-use cable_robot::sim::closed_loop::{library_controller, library_plant};
 use cable_robot::sim::scenario::count_steps;
-use cable_robot::sim::{BUNDLED, ClosedLoop, ControllerModel, Goal, PlantModel, PlantParameters, Scenario};
+use cable_robot::sim::simulation::library_models;
+use cable_robot::sim::{BUNDLED, ControllerModel, Goal, PlantModel, PlantParameters, Scenario, Simulation};
 use cable_robot_fmi::Model;
 use cable_robot_fmi::models::{controller, plant};
 use cable_robot_import::LogMessage;
@@ -192,9 +192,10 @@ impl Simulate {
 
     /// Ours, but for what an FMU replaces.
     fn models(&self, scenario: &Scenario) -> Result<Models> {
+        let (controller, plant) = library_models(scenario)?;
         let mut models = Models {
-            controller: Box::new(library_controller(scenario)?),
-            plant: Box::new(library_plant(scenario)?),
+            controller: Box::new(controller),
+            plant: Box::new(plant),
             controller_info: run_folder::Model::Library,
             plant_info: run_folder::Model::Library,
             lacking: vec![],
@@ -282,16 +283,16 @@ fn simulate(
     recording: &mut Recording,
     interruption: &Interruption,
 ) -> Result<End> {
-    let mut closed_loop = ClosedLoop::with_models(scenario, models.controller, models.plant)?;
-    recording.push(closed_loop.moment())?;
+    let mut simulation = Simulation::with_models(scenario, models.controller, models.plant)?;
+    recording.push(simulation.moment())?;
     let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
     let progress = Progress::new("simulating", steps);
     for _ in 0..steps {
         if interruption.is_asked() {
             return Ok(End::Interrupted);
         }
-        closed_loop.step()?;
-        recording.push(closed_loop.moment())?;
+        simulation.step()?;
+        recording.push(simulation.moment())?;
         progress.done(1);
     }
     Ok(End::Whole)

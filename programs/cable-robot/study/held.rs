@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use cable_robot::control::{Gains, static_margin};
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
-use cable_robot::robot::{Coordinates, ParameterError, Pose, Rig, RobotParameters, TensionLimits};
-use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
+use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
+use cable_robot::sim::{ClosedLoop, Moment, PlantParameters, SimulationError};
 use clap::Args;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -97,7 +97,7 @@ struct End {
 impl Held {
     pub fn run(&self) -> Result<Outcome> {
         let progress = Progress::new("running", self.runs);
-        let one = |k: u64| -> Result<Classes, ParameterError> {
+        let one = |k: u64| -> Result<Classes, SimulationError> {
             let mut rng = random_of(self.seed, k);
             let case = self.draw(&mut rng);
             let end = case.run(&mut rng);
@@ -114,7 +114,7 @@ impl Held {
             Ok(classes)
         };
         let none = || Ok(Classes::default());
-        let both = |a: Result<Classes, ParameterError>, b: Result<Classes, ParameterError>| {
+        let both = |a: Result<Classes, SimulationError>, b: Result<Classes, SimulationError>| {
             let (a, b) = (a?, b?);
             Ok(std::array::from_fn(|order| {
                 std::array::from_fn(|class| a[order][class].and(&b[order][class]))
@@ -261,52 +261,37 @@ impl Case {
         seen
     }
 
-    fn inputs(&self, plant: &Plant, time: f64) -> ControllerInputs {
-        let seen = plant.outputs();
-        ControllerInputs {
-            encoder_pose: self.centre(&seen.encoder_pose),
-            cable_length: seen.cable_length,
-            measured_tension: seen.measured_tension,
-            goal_pose: self.goal(time),
-            enable: true,
-        }
-    }
-
-    fn run(&self, rng: &mut Pcg64) -> Result<End, ParameterError> {
+    fn run(&self, rng: &mut Pcg64) -> Result<End, SimulationError> {
         let rig = &self.parameters.rig;
-        let count = rig.cables.len();
-        let hanging = Plant::new(self.plant, &PlantInputs::none(count))?;
-        let mut controller = Controller::new(self.parameters, 0.0, &self.inputs(&hanging, 0.0))?;
-        let mut pull =
-            PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(count) };
-        let mut plant = Plant::new(self.plant, &pull)?;
-        let mut time = 0.0;
+        let mut run = ClosedLoop::new(self.parameters, self.plant, self.goal(0.0))?;
+        run.is_late = self.is_late;
         let mut end =
             End { slack: false, lost: false, possible: false, reached: false, smallest: f64::INFINITY };
         let last = self.goals[self.goals.len() - 1].0;
-        while time < self.duration && !end.lost {
+        while run.moment().time < self.duration && !end.lost {
             let h = if self.varies { self.step * rng.random_range(0.05..=1.0) } else { self.step };
-            let late = controller.outputs().motor_tension;
-            controller.step(time, h, &self.inputs(&plant, time));
-            let now = controller.outputs().motor_tension;
-            pull.motor_tension = if self.is_late { late } else { now };
-            let is_followed = plant.step(&pull, h).is_ok();
-            time += h;
-            end.smallest = now.iter().map(|u| u / rig.weight()).fold(end.smallest, f64::min);
-            end.slack |= plant.outputs().slack.contains(&true);
-            let pose = &plant.outputs().encoder_pose;
+            run.goal = self.goal(run.moment().time);
+            let stepped = run.step_seeing(h, |seen| seen.encoder_pose = self.centre(&seen.encoder_pose));
+            let Ok(Moment { time, controller, plant, .. }) = stepped else {
+                end.lost = true;
+                break;
+            };
+            end.smallest =
+                controller.motor_tension.iter().map(|u| u / rig.weight()).fold(end.smallest, f64::min);
+            end.slack |= plant.slack.contains(&true);
+            let pose = &plant.encoder_pose;
             let way = (pose.position() - self.plant.initial_pose.position()).norm();
-            let status = controller.outputs().status;
-            if status == Status::AtGoal && time > last + self.parameters.planner_period + h {
+            let status = controller.status;
+            if status == Status::AtGoal && *time > last + self.parameters.planner_period + h {
                 break;
             }
-            end.lost = !is_followed
-                || status == Status::SensorFault
+            end.lost = status == Status::SensorFault
                 || pose.angles().fixed_rows::<2>(0).amax() > LOST_TURN
                 || way > LOST_WAY * rig.radius();
         }
-        end.reached = controller.outputs().status == Status::AtGoal;
-        end.possible = controller.outputs().status != Status::GoalUnreachable;
+        let status = run.controller.outputs().status;
+        end.reached = status == Status::AtGoal;
+        end.possible = status != Status::GoalUnreachable;
         Ok(end)
     }
 }

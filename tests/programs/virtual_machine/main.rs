@@ -4,7 +4,7 @@
 //! A further scenario is a script in `scenarios/`, with a test in [`host`] that judges its exit code and what it printed.
 #![cfg(target_os = "linux")]
 
-#[path = "../../common/counting_allocator.rs"]
+#[path = "../counting_allocator.rs"]
 #[allow(unsafe_code, dead_code)]
 mod counting_allocator;
 mod guest;

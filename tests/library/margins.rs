@@ -5,7 +5,7 @@ use cable_robot::control::{Sensitivity, static_margin};
 use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::certificate::{Step, Verdict, certify};
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
-use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use cable_robot::sim::{ClosedLoop, PlantParameters};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -58,23 +58,17 @@ struct Outcome {
 fn run(parameters: &ControllerParameters, truth: Rig, goal: Pose) -> Outcome {
     let step = 1e-3;
     let plant_parameters = PlantParameters { rig: truth, ..PlantParameters::default() };
-    let inputs = |plant: &PlantOutputs| ControllerInputs { goal_pose: goal, ..inputs(plant.encoder_pose) };
-    let hanging = Plant::new(plant_parameters, &PlantInputs::none(6)).unwrap();
-    let mut controller = Controller::new(*parameters, 0.0, &inputs(hanging.outputs())).unwrap();
-    let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
-    let mut plant = Plant::new(plant_parameters, &pull).unwrap();
+    let mut run = ClosedLoop::new(*parameters, plant_parameters, goal).unwrap();
     let mut outcome = Outcome { slack: false, reached: false, smallest: f64::INFINITY, turned: 0.0 };
     for k in 0..12_000 {
-        controller.step(f64::from(k) * step, step, &inputs(plant.outputs()));
-        pull.motor_tension = controller.outputs().motor_tension;
-        if plant.step(&pull, step).is_err() {
+        let Ok(moment) = run.step(step) else {
             outcome.slack = true;
             break;
-        }
-        outcome.slack |= plant.outputs().slack != [false; 6];
-        outcome.smallest = pull.motor_tension.iter().copied().fold(outcome.smallest, f64::min);
-        outcome.turned = outcome.turned.max(plant.outputs().encoder_pose.angles().amax());
-        if controller.outputs().status == Status::AtGoal && k > 1500 {
+        };
+        outcome.slack |= moment.plant.slack != [false; 6];
+        outcome.smallest = moment.controller.motor_tension.iter().copied().fold(outcome.smallest, f64::min);
+        outcome.turned = outcome.turned.max(moment.plant.encoder_pose.angles().amax());
+        if moment.controller.status == Status::AtGoal && k > 1500 {
             outcome.reached = true;
             break;
         }

@@ -1,13 +1,11 @@
 //! What the controller does when somebody asks for something else than the paper's move.
 
-mod common;
-
+use crate::common::{ClosedLoop, inputs};
 use cable_robot::plan::{
     Check, Controller, ControllerInputs, ControllerParameters, Fault, PlannerKind, Status,
 };
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use common::{ClosedLoop, inputs};
 
 fn to(goal: Pose) -> ClosedLoop {
     ClosedLoop::new(ControllerParameters::default(), PlantParameters::default(), goal, 1e-3)
@@ -90,7 +88,7 @@ fn disabling_lets_go_and_enabling_starts_where_the_robot_is() {
 fn an_impossible_pose_holds_gravity_until_the_operator_resets() {
     let mut closed_loop = to(Pose::at(0.0, 0.0, 1.0));
     run(&mut closed_loop, 0.2);
-    let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    let mut inputs = crate::common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     let good = inputs.encoder_pose;
     inputs.encoder_pose = Pose::at(0.3, 0.0, 1.0);
     closed_loop.controller.step(0.2, 1e-3, &inputs);
@@ -119,7 +117,7 @@ fn an_impossible_pose_holds_gravity_until_the_operator_resets() {
 fn a_singular_pose_is_a_fault_and_not_a_number_gone_wild() {
     // Turned by 90 degrees the wrench matrix of this geometry loses rank.
     let mut closed_loop = to(Pose::default());
-    let mut inputs = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    let mut inputs = crate::common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     for k in 0..40 {
         inputs.encoder_pose = Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.08 * f64::from(k)));
         closed_loop.controller.step(f64::from(k), 1e-3, &inputs);
@@ -202,7 +200,7 @@ fn the_pose_of_the_first_step_is_where_the_robot_starts() {
     let rig = PlantParameters { initial_pose: Pose::at(0.1, 0.0, 1.5), ..Default::default() };
     let mut closed_loop =
         ClosedLoop::new(ControllerParameters::default(), rig, Pose::at(0.1, 0.0, 1.5), 1e-3);
-    let unknown = common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
+    let unknown = crate::common::inputs(closed_loop.plant.outputs(), closed_loop.goal, true);
     let start = ControllerInputs { encoder_pose: Pose::default(), ..unknown };
     closed_loop.controller = Controller::new(ControllerParameters::default(), 0.0, &start).unwrap();
     let (output, _) = closed_loop.advance();

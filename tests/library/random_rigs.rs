@@ -1,12 +1,10 @@
 //! What must hold everywhere: random rigs, gains, limits, planners and goals, in closed loop.
 
-mod common;
-
+use crate::common::ClosedLoop;
 use cable_robot::control::static_tensions;
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::PlantParameters;
-use common::ClosedLoop;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

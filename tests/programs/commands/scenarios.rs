@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use cable_robot::plan::{ControllerParameters, Status};
 use cable_robot::robot::Pose;
 use cable_robot::sim::scenario::count_steps;
-use cable_robot::sim::{BUNDLED, ClosedLoop, Moment, Scenario, ScenarioFile};
+use cable_robot::sim::{BUNDLED, Moment, Scenario, ScenarioFile, Simulation};
 use cable_robot_report::run_folder::Model;
 use cable_robot_report::{Recording, Run, RunFolder};
 
@@ -22,11 +22,11 @@ fn bundled(name: &str) -> Scenario {
 
 /// Every moment of the scenario.
 fn moments(scenario: &Scenario) -> Vec<Moment> {
-    let mut closed_loop = ClosedLoop::new(scenario).unwrap();
-    let mut moments = vec![*closed_loop.moment()];
+    let mut simulation = Simulation::new(scenario).unwrap();
+    let mut moments = vec![*simulation.moment()];
     for _ in 0..count_steps(scenario.duration, scenario.step).unwrap() {
-        closed_loop.step().unwrap();
-        moments.push(*closed_loop.moment());
+        simulation.step().unwrap();
+        moments.push(*simulation.moment());
     }
     moments
 }

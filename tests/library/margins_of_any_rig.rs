@@ -42,7 +42,7 @@ fn cases() -> [Case; 3] {
 }
 
 fn eight() -> Rig {
-    RigFile::parse(include_str!("../rigs/eight.toml")).unwrap().rig
+    RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap().rig
 }
 
 /// Each cable over a pulley of 8 cm that swivels about a vertical line.
@@ -55,7 +55,7 @@ fn over_pulleys(mut rig: Rig) -> Rig {
 
 /// The paper's, with the inertia of a uniform disc.
 fn six_over_pulleys() -> Rig {
-    let mut rig = RigFile::parse(include_str!("../rigs/paper.toml")).unwrap().rig;
+    let mut rig = RigFile::parse(include_str!("../../rigs/paper.toml")).unwrap().rig;
     rig.inertia *= 0.125 / rig.inertia[(0, 0)];
     rig.cables.iter_mut().for_each(|cable| cable.pulley = Some(Pulley { radius: 0.03, axis: -Vector3::z() }));
     rig

@@ -2,9 +2,9 @@
 
 use cable_robot::plan::{ControllerParameters, Status};
 use cable_robot::robot::{Pose, RigFile};
-use cable_robot::sim::{ClosedLoop, ScenarioFile};
+use cable_robot::sim::{ScenarioFile, Simulation};
 
-const PAGE: &str = include_str!("../docs/limits.md");
+const PAGE: &str = include_str!("../../docs/limits.md");
 
 /// Where a run ends: mm and mrad from the goal, and the status.
 #[derive(Debug)]
@@ -24,11 +24,11 @@ fn end(imperfections: &str, controller: &str, step: f64, mass: f64) -> End {
     let home = RigFile::default().home;
     let mut scenario = ScenarioFile::parse(&text).unwrap().scenario("paper", home, base).unwrap();
     scenario.plant.rig.mass = mass;
-    let mut closed_loop = ClosedLoop::new(&scenario).unwrap();
+    let mut simulation = Simulation::new(&scenario).unwrap();
     for _ in 0..(12.0 / step).round() as u32 {
-        closed_loop.step().unwrap();
+        simulation.step().unwrap();
     }
-    let moment = closed_loop.moment();
+    let moment = simulation.moment();
     let (at, goal) = (moment.plant.encoder_pose, Pose::at(0.1, 0.0, 1.0));
     End {
         distance: 1e3 * (at.position() - goal.position()).norm(),

@@ -1,13 +1,9 @@
 //! A platform that is not what the controller believes: another mass, a force that lasts, friction. The observer finds out, and goals are
 //! reached all the same.
 
-#[path = "common/inputs.rs"]
-mod inputs;
-
-use cable_robot::plan::{Controller, ControllerOutputs, ControllerParameters, PlannerKind, Status};
+use cable_robot::plan::{ControllerOutputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::Pose;
-use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use inputs::inputs;
+use cable_robot::sim::{ClosedLoop, Moment, PlantParameters};
 use nalgebra::Vector3;
 
 /// Six seconds in steps of `step` s from rest at (0, 0, 1) to `goal`.
@@ -46,28 +42,20 @@ impl Run {
     }
 
     fn end(&self) -> End {
-        let hanging = Plant::new(self.plant, &PlantInputs::none(6)).unwrap();
-        let mut controller =
-            Controller::new(self.controller, 0.0, &inputs(hanging.outputs(), self.goal, true)).unwrap();
-        let mut pull = PlantInputs {
-            motor_tension: controller.outputs().motor_tension,
-            disturbance_force: self.force,
-            ..PlantInputs::none(6)
-        };
-        let mut plant = Plant::new(self.plant, &pull).unwrap();
+        let mut run = ClosedLoop::new(self.controller, self.plant, self.goal).unwrap();
+        run.disturbance_force = self.force;
         let (mut smallest, mut largest_force, mut farthest) = (f64::INFINITY, 0.0f64, 0.0f64);
-        for k in 0..(6.0 / self.step) as u32 {
-            controller.step(f64::from(k) * self.step, self.step, &inputs(plant.outputs(), self.goal, true));
-            pull.motor_tension = controller.outputs().motor_tension;
-            plant.step(&pull, self.step).unwrap();
-            let slack = plant.outputs().slack != [false; 6];
-            smallest = pull.motor_tension.iter().copied().fold(smallest, f64::min) * f64::from(!slack);
-            let way = plant.outputs().encoder_pose.position() - self.plant.initial_pose.position();
+        for _ in 0..(6.0 / self.step) as u32 {
+            let moment = run.step(self.step).unwrap();
+            let slack = moment.plant.slack != [false; 6];
+            smallest =
+                moment.controller.motor_tension.iter().copied().fold(smallest, f64::min) * f64::from(!slack);
+            let way = moment.plant.encoder_pose.position() - self.plant.initial_pose.position();
             farthest = farthest.max(way.norm());
-            largest_force = largest_force.max(controller.outputs().disturbance.fixed_rows::<3>(0).norm());
+            largest_force = largest_force.max(moment.controller.disturbance.fixed_rows::<3>(0).norm());
         }
-        let outputs = *controller.outputs();
-        let off = plant.outputs().encoder_pose.minus(&self.goal);
+        let Moment { controller: outputs, plant, .. } = *run.moment();
+        let off = plant.encoder_pose.minus(&self.goal);
         let (distance, turn) = (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).amax());
         End { outputs, distance, turn, smallest, largest_force, farthest }
     }

@@ -1,19 +1,12 @@
 //! Robots that are found in motion, and robots whose pose is lost in motion.
 
-#[path = "common/inputs.rs"]
-mod inputs;
-
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters, PlannerKind, Status};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose};
-use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use inputs::inputs;
+use cable_robot::sim::{ClosedLoop, PlantParameters};
 
 struct Run {
-    plant: Plant,
-    controller: Controller,
-    pull: PlantInputs,
+    joined: ClosedLoop,
     step: f64,
-    time: f64,
     /// For how long a cable was slack, s.
     slack: f64,
 }
@@ -21,28 +14,31 @@ struct Run {
 impl Run {
     fn new(planner: PlannerKind, gain: f64, step: f64, rates: &Coordinates) -> Self {
         let parameters = ControllerParameters { planner, lambda: gain, eta: gain, ..Default::default() };
-        let start = PlantParameters::default();
-        let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
-        let seen = inputs(hanging.outputs(), start.initial_pose, true);
-        let controller = Controller::new(parameters, 0.0, &seen).unwrap();
-        let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
-        let plant = Plant::new(start, &pull).unwrap().moving(rates);
-        Self { plant, controller, pull, step, time: 0.0, slack: 0.0 }
+        let joined = ClosedLoop::new(parameters, PlantParameters::default(), Pose::default()).unwrap();
+        Self { joined: joined.moving(rates), step, slack: 0.0 }
     }
 
     /// One step with what `see` makes of the inputs.
     fn advance(&mut self, goal: Pose, see: impl Fn(&mut ControllerInputs)) {
-        let mut seen = inputs(self.plant.outputs(), goal, true);
-        see(&mut seen);
-        self.controller.step(self.time, self.step, &seen);
-        self.pull.motor_tension = self.controller.outputs().motor_tension;
-        self.plant.step(&self.pull, self.step).unwrap();
-        self.time += self.step;
-        self.slack += self.step * f64::from(self.plant.outputs().slack != [false; 6]);
+        self.joined.goal = goal;
+        let moment = self.joined.step_seeing(self.step, see).unwrap();
+        self.slack += self.step * f64::from(moment.plant.slack != [false; 6]);
+    }
+
+    fn time(&self) -> f64 {
+        self.joined.moment().time
+    }
+
+    fn pose(&self) -> Pose {
+        self.joined.moment().plant.encoder_pose
+    }
+
+    fn outputs(&self) -> &ControllerOutputs {
+        self.joined.controller.outputs()
     }
 
     fn speed(&self) -> f64 {
-        self.plant.outputs().velocity.norm()
+        self.joined.moment().plant.velocity.norm()
     }
 }
 
@@ -56,13 +52,13 @@ fn a_robot_that_starts_in_motion_is_brought_to_rest() {
                 let mut run = Run::new(planner, gain, step, &rates);
                 let goal = Pose::default();
                 let mut first_at_goal = None;
-                while run.time < 6.0 {
+                while run.time() < 6.0 {
                     run.advance(goal, |_| ());
-                    if run.controller.outputs().at_goal && first_at_goal.is_none() && run.time > 0.01 {
-                        first_at_goal = Some(run.time);
+                    if run.outputs().at_goal && first_at_goal.is_none() && run.time() > 0.01 {
+                        first_at_goal = Some(run.time());
                     }
                 }
-                let outputs = run.controller.outputs();
+                let outputs = run.outputs();
                 println!(
                     "{planner:?}, gains {gain}, {step} s, ({x}, {y}, {z}) m/s: slack for {:.3} s, first at the goal after {first_at_goal:?} s, {:?}",
                     run.slack, outputs.status
@@ -84,21 +80,21 @@ fn a_robot_whose_pose_is_lost_in_motion_brakes() {
         let mut run = Run::new(planner, gain, 1e-3, &Coordinates::zeros());
         let goal = Pose::at(0.12, 0.08, 0.9);
         let goal = if planner == PlannerKind::Bounded { Pose::at(0.12, 0.08, 1.0) } else { goal };
-        while run.time < 1.0 / gain {
+        while run.time() < 1.0 / gain {
             run.advance(goal, |_| ());
         }
         let before = run.speed();
-        let at = run.plant.outputs().encoder_pose;
-        while run.time < 1.0 / gain + 8.0 / gain {
+        let at = run.pose();
+        while run.time() < 1.0 / gain + 8.0 / gain {
             run.advance(goal, |seen| seen.encoder_pose = Pose::at(0.4, 0.0, 1.0));
         }
-        let way = (run.plant.outputs().encoder_pose.position() - at.position()).norm();
+        let way = (run.pose().position() - at.position()).norm();
         println!(
             "{planner:?}, gains {gain}: {before:.3} m/s, {:.4} m/s left, {way:.4} m farther, slack for {} s",
             run.speed(),
             run.slack
         );
-        assert_eq!(run.controller.outputs().status, Status::SensorFault);
+        assert_eq!(run.outputs().status, Status::SensorFault);
         assert!(
             run.slack == 0.0 && before > 0.05 && run.speed() < 0.1 * before,
             "{} of {before} m/s",

@@ -1,7 +1,6 @@
 //! What must hold everywhere, on seeded random cases.
 
-mod common;
-
+use crate::common::ClosedLoop;
 use cable_robot::control::{Gains, lyapunov};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::reach::in_static_workspace;
@@ -9,7 +8,6 @@ use cable_robot::robot::{
     Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits, forward_kinematics,
 };
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use common::ClosedLoop;
 use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,11 +1,9 @@
 //! Section VI in the library: from (0, 0, 1) to (0.15, 0.15, 1), Tables I and II, sampled at 1 kHz.
 
-mod common;
-
+use crate::common::ClosedLoop;
 use cable_robot::plan::{ControllerParameters, PoseSource, Status};
 use cable_robot::robot::Pose;
 use cable_robot::sim::PlantParameters;
-use common::ClosedLoop;
 
 fn paper(parameters: ControllerParameters) -> ClosedLoop {
     ClosedLoop::new(parameters, PlantParameters::default(), Pose::at(0.15, 0.15, 1.0), 1e-3)

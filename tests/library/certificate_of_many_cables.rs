@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 fn eight() -> Rig {
-    RigFile::parse(include_str!("../rigs/eight.toml")).unwrap().rig
+    RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap().rig
 }
 
 /// How far from the limits the tensions can be kept (N), by plain arithmetic and a linear programme; below 0 where they cannot be kept.

@@ -1,9 +1,7 @@
 //! The planner with the exact domain, in closed loop at 1 kHz.
 
-mod common;
-#[path = "common/goals.rs"]
-mod goals;
-
+use crate::common::ClosedLoop;
+use crate::common::random_goal;
 use cable_robot::control::static_tensions;
 use cable_robot::plan::extremes::extremes;
 use cable_robot::plan::planner::Situation;
@@ -11,8 +9,6 @@ use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::ExactDomain;
 use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::PlantParameters;
-use common::ClosedLoop;
-use goals::random_goal;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,17 +1,13 @@
 //! What the planner `Exact` leaves unused for what is not in its proof: commands that are held, masters that hand them on late, encoders.
 
-mod common;
-#[path = "common/goals.rs"]
-mod goals;
-
+use crate::common::random_goal;
+use crate::common::{ClosedLoop, inputs};
 use cable_robot::control::Response;
 use cable_robot::plan::{Controller, ControllerParameters, PlannerKind, Status};
 use cable_robot::reach::certificate::{Margins, Step, certify_with_margins};
 use cable_robot::reach::{Verdict, certify};
 use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use common::{ClosedLoop, inputs};
-use goals::random_goal;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -1,13 +1,9 @@
 //! Commands that are held and handed on late: inputs at which cables went slack, with the law evaluated for the interval in which its
 //! command acts.
 
-#[path = "common/inputs.rs"]
-mod inputs;
-
-use cable_robot::plan::{Controller, ControllerParameters, PlannerKind, Status};
+use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose};
-use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
-use inputs::inputs;
+use cable_robot::sim::{ClosedLoop, PlantParameters};
 
 /// A perfect plant, starting at rest at (0, 0, 1).
 struct Case {
@@ -35,24 +31,16 @@ fn slack(case: &Case, hold_compensation: bool, duration: f64) -> (f64, f64) {
         observer_bound: if hold_compensation { 0.1 } else { 0.0 },
         ..Default::default()
     };
-    let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
-    let seen = inputs(hanging.outputs(), start.initial_pose, true);
-    let mut controller = Controller::new(parameters, 0.0, &seen).unwrap();
-    let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
-    let mut plant = Plant::new(start, &pull).unwrap();
+    let mut run = ClosedLoop::new(parameters, start, start.initial_pose).unwrap();
+    run.is_late = is_late;
     let (mut slack, mut turned) = (0.0, 0.0f64);
-    for k in 0..(duration / step) as u32 {
-        let time = f64::from(k) * step;
+    for _ in 0..(duration / step) as u32 {
+        let time = run.moment().time;
         let given = goals.iter().rfind(|(from, _)| *from <= time + 1e-9);
-        let goal = given.map_or(start.initial_pose, |(_, goal)| Pose(Coordinates::from(*goal)));
-        let late = controller.outputs().motor_tension;
-        controller.step(time, step, &inputs(plant.outputs(), goal, true));
-        pull.motor_tension = if is_late { late } else { controller.outputs().motor_tension };
-        if plant.step(&pull, step).is_err() {
-            return (f64::INFINITY, turned);
-        }
-        slack += step * f64::from(plant.outputs().slack != [false; 6]);
-        turned = turned.max(plant.outputs().encoder_pose.angles().amax());
+        run.goal = given.map_or(start.initial_pose, |(_, goal)| Pose(Coordinates::from(*goal)));
+        let Ok(moment) = run.step(step) else { return (f64::INFINITY, turned) };
+        slack += step * f64::from(moment.plant.slack != [false; 6]);
+        turned = turned.max(moment.plant.encoder_pose.angles().amax());
     }
     (slack, turned)
 }
@@ -122,16 +110,9 @@ fn a_goal_that_leaves_half_a_newton_is_reached() {
     let goal = Pose::at(0.158, 0.158, 1.0);
     let parameters =
         ControllerParameters { planner: PlannerKind::Exact, lambda: 8.0, eta: 8.0, ..Default::default() };
-    let start = PlantParameters::default();
-    let hanging = Plant::new(start, &PlantInputs::none(6)).unwrap();
-    let mut controller = Controller::new(parameters, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
-    let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
-    let mut plant = Plant::new(start, &pull).unwrap();
-    for k in 0..1000 {
-        controller.step(f64::from(k) * 4e-3, 4e-3, &inputs(plant.outputs(), goal, true));
-        pull.motor_tension = controller.outputs().motor_tension;
-        plant.step(&pull, 4e-3).unwrap();
-        assert_eq!(plant.outputs().slack, [false; 6]);
+    let mut run = ClosedLoop::new(parameters, PlantParameters::default(), goal).unwrap();
+    for _ in 0..1000 {
+        assert_eq!(run.step(4e-3).unwrap().plant.slack, [false; 6]);
     }
-    assert_eq!(controller.outputs().status, Status::AtGoal);
+    assert_eq!(run.controller.outputs().status, Status::AtGoal);
 }

@@ -1,12 +1,10 @@
 //! The rigs of `rigs/public`, which other people published: every one is driven.
 
-mod common;
-
+use crate::common::ClosedLoop;
 use cable_robot::control::static_margin;
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, Rig, RigFile};
 use cable_robot::sim::PlantParameters;
-use common::ClosedLoop;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

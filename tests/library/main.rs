@@ -1,0 +1,21 @@
+//! Tests of the library, through what it offers to others.
+
+mod common;
+
+mod any_rig;
+mod certificate;
+#[cfg(feature = "clarabel")]
+mod certificate_of_many_cables;
+mod controller_behaviour;
+mod disturbances;
+mod exact_planner;
+mod exact_planner_held;
+mod held_commands;
+mod limits;
+mod margins;
+mod margins_of_any_rig;
+mod paper_manoeuvre;
+mod properties;
+mod random_rigs;
+mod recognised_rigs;
+mod stops;

@@ -1,0 +1,13 @@
+//! The programs and the packed FMUs, as they are used.
+
+mod command_line;
+mod completions;
+mod ctrl_c;
+mod figures;
+mod modelica;
+mod outputs;
+mod packed;
+mod report;
+mod scenarios;
+mod studies;
+mod told_truly;
