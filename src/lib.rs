@@ -60,6 +60,7 @@
 //! | β, N, T_s | `beta`, `bisection_steps`, `planner_period` | -, -, s | (17), Table II |
 //! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
+pub mod checked_toml;
 pub mod control;
 pub mod plan;
 pub mod reach;

@@ -9,6 +9,7 @@ use thiserror::Error;
 use toml::Spanned;
 
 use super::{Cable, DegenerateRig, MOST_CABLES, PerCable, Pose, Pulley, Rig, TensionLimits};
+use crate::checked_toml::{Checked, Refused};
 
 /// The paper's rig: Table I.
 const PAPER: &str = include_str!("../../rigs/paper.toml");
@@ -35,17 +36,8 @@ pub enum RigFileError {
     #[error(transparent)]
     Toml(#[from] toml::de::Error),
     /// A value that makes no sense.
-    #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
-    Value {
-        /// Line in the file, from 1.
-        line: usize,
-        /// The field, with its table; cables and components counted from 1.
-        field: String,
-        /// The value given.
-        value: f64,
-        /// What would be right.
-        allowed: &'static str,
-    },
+    #[error(transparent)]
+    Value(#[from] Refused),
     /// Every value is right by itself, but the cables cannot hold the platform.
     #[error("line {line}: {cause}")]
     Degenerate {
@@ -232,26 +224,27 @@ impl RigFile {
     /// [`RigFileError`]: the line, the field, its value and what is allowed, or why the rig is degenerate.
     pub fn parse(text: &str) -> Result<Self, RigFileError> {
         let file: File = toml::from_str(text)?;
-        let check = Check { text };
+        let check = Checked { text };
         let center = match &file.platform.center_of_mass {
-            Some(center) => check.vector(center, "platform.center_of_mass")?,
+            Some(center) => check.vector(center, "platform.center_of_mass", "m")?,
             None => Vector3::zeros(),
         };
         let line = check.line(file.cables.first().map_or(0, |cable| cable.span().start));
         let mut cables = vec![];
         for (i, cable) in file.cables.iter().enumerate() {
-            let mut cable = check.cable(cable.get_ref(), &file.tension, &format!("cables[{}]", i + 1))?;
+            let mut cable =
+                self::cable(&check, cable.get_ref(), &file.tension, &format!("cables[{}]", i + 1))?;
             cable.attachment -= center;
             cables.push(cable);
         }
         let count = cables.len();
-        let home = check.vector(&file.home, "home")?;
+        let home = check.vector(&file.home, "home", "m")?;
         let rig = Rig {
             cables: PerCable::from_slice(&cables).ok_or(RigFileError::TooManyCables { line, count })?,
-            mass: check.positive(&file.platform.mass, "platform.mass")?,
-            inertia: check.inertia(&file.platform)?,
-            gravity: file.frame.gravity(check.positive(&file.gravity, "gravity")?),
-            accuracy: check.accuracy(file.accuracy.as_ref())?,
+            mass: check.positive(&file.platform.mass, "platform.mass", "kg")?,
+            inertia: inertia(&check, &file.platform)?,
+            gravity: file.frame.gravity(check.positive(&file.gravity, "gravity", "m/s²")?),
+            accuracy: accuracy(&check, file.accuracy.as_ref())?,
             disturbance: Vector6::zeros(),
         };
         let pose = Pose::at(home.x, home.y, home.z);
@@ -260,8 +253,8 @@ impl RigFile {
             let line = check.line(file.home.span().start);
             return Err(RigFileError::AboveAnchors { line, hint: file.frame.other() });
         }
-        let lambda = check.positive(&file.gains.lambda, "gains.lambda")?;
-        let eta = check.positive(&file.gains.eta, "gains.eta")?;
+        let lambda = check.positive(&file.gains.lambda, "gains.lambda", "1/s")?;
+        let eta = check.positive(&file.gains.eta, "gains.eta", "1/s")?;
         Ok(Self { name: file.name, rig, home: pose, lambda, eta })
     }
 }
@@ -273,118 +266,76 @@ impl Default for RigFile {
     }
 }
 
-/// Checks values and knows where they stand in the text.
-struct Check<'a> {
-    text: &'a str,
+fn inertia(check: &Checked, platform: &Platform) -> Result<Matrix3<f64>, Refused> {
+    let diagonal = &platform.inertia;
+    for (k, value) in diagonal.get_ref().iter().enumerate() {
+        let (ok, component) = (value.is_finite() && *value > 0.0, format!("platform.inertia[{}]", k + 1));
+        check.require(ok, diagonal, &component, value, "must be finite and greater than 0 (kg m²)")?;
+    }
+    let [xx, yy, zz] = *diagonal.get_ref();
+    let Some(off_diagonal) = &platform.inertia_off_diagonal else {
+        return Ok(Matrix3::from_diagonal(&Vector3::new(xx, yy, zz)));
+    };
+    let off = check.vector(off_diagonal, "platform.inertia_off_diagonal", "kg m²")?;
+    let tensor = Matrix3::new(xx, off.x, off.y, off.x, yy, off.z, off.y, off.z, zz);
+    let allowed =
+        "with platform.inertia it must make a tensor whose principal moments are greater than 0 (kg m²)";
+    let ok = tensor.cholesky().is_some();
+    check.require(ok, off_diagonal, "platform.inertia_off_diagonal[1]", off.x, allowed)?;
+    Ok(tensor)
 }
 
-impl Check<'_> {
-    fn line(&self, offset: usize) -> usize {
-        self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
-    }
+fn accuracy(check: &Checked, accuracy: Option<&Spanned<f64>>) -> Result<f64, Refused> {
+    let Some(accuracy) = accuracy else { return Ok(0.0) };
+    let value = *accuracy.get_ref() + 0.0;
+    let ok = value.is_finite() && value >= 0.0;
+    check.require(ok, accuracy, "accuracy", value, "must be finite and 0 or greater (m)")?;
+    Ok(value)
+}
 
-    /// `ok` or an error for `value`, which stands at `offset`.
-    fn require(
-        &self,
-        ok: bool,
-        offset: usize,
-        field: &str,
-        value: f64,
-        allowed: &'static str,
-    ) -> Result<(), RigFileError> {
-        let error =
-            || RigFileError::Value { line: self.line(offset), field: field.to_owned(), value, allowed };
-        if ok { Ok(()) } else { Err(error()) }
-    }
+fn cable(check: &Checked, cable: &CableEntry, tension: &Tension, name: &str) -> Result<Cable, Refused> {
+    Ok(Cable {
+        anchor: check.vector(&cable.anchor, &format!("{name}.anchor"), "m")?,
+        attachment: check.vector(&cable.attachment, &format!("{name}.attachment"), "m")?,
+        limits: limits(check, cable, tension, name)?,
+        pulley: cable.pulley.as_ref().map(|entry| pulley(check, entry, name)).transpose()?,
+    })
+}
 
-    fn positive(&self, number: &Spanned<f64>, field: &str) -> Result<f64, RigFileError> {
-        let value = *number.get_ref();
-        let ok = value.is_finite() && value > 0.0;
-        self.require(ok, number.span().start, field, value, "must be finite and greater than 0")?;
-        Ok(value)
-    }
+fn pulley(check: &Checked, pulley: &PulleyEntry, name: &str) -> Result<Pulley, Refused> {
+    let axis = check.vector(&pulley.axis, &format!("{name}.pulley.axis"), "m")?;
+    let length = axis.norm();
+    let field = format!("length of {name}.pulley.axis");
+    check.require(length.is_normal(), &pulley.axis, &field, length, "must be greater than 0")?;
+    let radius = check.positive(&pulley.radius, &format!("{name}.pulley.radius"), "m")?;
+    Ok(Pulley { radius, axis: axis / length })
+}
 
-    fn vector(&self, vector: &Spanned<[f64; 3]>, field: &str) -> Result<Vector3<f64>, RigFileError> {
-        for (k, value) in vector.get_ref().iter().enumerate() {
-            let component = format!("{field}[{}]", k + 1);
-            self.require(value.is_finite(), vector.span().start, &component, *value, "must be finite (m)")?;
-        }
-        Ok((*vector.get_ref()).into())
-    }
-
-    fn inertia(&self, platform: &Platform) -> Result<Matrix3<f64>, RigFileError> {
-        let diagonal = &platform.inertia;
-        for (k, value) in diagonal.get_ref().iter().enumerate() {
-            let (ok, component) = (value.is_finite() && *value > 0.0, format!("platform.inertia[{}]", k + 1));
-            let allowed = "must be finite and greater than 0 (kg m²)";
-            self.require(ok, diagonal.span().start, &component, *value, allowed)?;
-        }
-        let [xx, yy, zz] = *diagonal.get_ref();
-        let Some(off_diagonal) = &platform.inertia_off_diagonal else {
-            return Ok(Matrix3::from_diagonal(&Vector3::new(xx, yy, zz)));
-        };
-        let off = self.vector(off_diagonal, "platform.inertia_off_diagonal")?;
-        let tensor = Matrix3::new(xx, off.x, off.y, off.x, yy, off.z, off.y, off.z, zz);
-        let allowed =
-            "with platform.inertia it must make a tensor whose principal moments are greater than 0 (kg m²)";
-        let (ok, at) = (tensor.cholesky().is_some(), off_diagonal.span().start);
-        self.require(ok, at, "platform.inertia_off_diagonal[1]", off.x, allowed)?;
-        Ok(tensor)
-    }
-
-    fn accuracy(&self, accuracy: Option<&Spanned<f64>>) -> Result<f64, RigFileError> {
-        let Some(accuracy) = accuracy else { return Ok(0.0) };
-        let value = *accuracy.get_ref() + 0.0;
-        let ok = value.is_finite() && value >= 0.0;
-        self.require(ok, accuracy.span().start, "accuracy", value, "must be finite and 0 or greater (m)")?;
-        Ok(value)
-    }
-
-    fn cable(&self, cable: &CableEntry, tension: &Tension, name: &str) -> Result<Cable, RigFileError> {
-        Ok(Cable {
-            anchor: self.vector(&cable.anchor, &format!("{name}.anchor"))?,
-            attachment: self.vector(&cable.attachment, &format!("{name}.attachment"))?,
-            limits: self.limits(cable, tension, name)?,
-            pulley: cable.pulley.as_ref().map(|pulley| self.pulley(pulley, name)).transpose()?,
-        })
-    }
-
-    fn pulley(&self, pulley: &PulleyEntry, name: &str) -> Result<Pulley, RigFileError> {
-        let axis = self.vector(&pulley.axis, &format!("{name}.pulley.axis"))?;
-        let length = axis.norm();
-        let (ok, at) = (length.is_normal(), pulley.axis.span().start);
-        self.require(ok, at, &format!("length of {name}.pulley.axis"), length, "must be greater than 0")?;
-        let radius = self.positive(&pulley.radius, &format!("{name}.pulley.radius"))?;
-        Ok(Pulley { radius, axis: axis / length })
-    }
-
-    /// A cable's own limits, or else those of all.
-    fn limits(
-        &self,
-        cable: &CableEntry,
-        tension: &Tension,
-        name: &str,
-    ) -> Result<TensionLimits, RigFileError> {
-        let named = |own: &Option<Spanned<f64>>, field: &str| match own {
-            Some(_) => format!("{name}.{field}_tension"),
-            None => format!("tension.{field}"),
-        };
-        let (min, max) = (named(&cable.min_tension, "min"), named(&cable.max_tension, "max"));
-        let least = cable.min_tension.as_ref().unwrap_or(&tension.min);
-        let greatest = cable.max_tension.as_ref().or(tension.max.as_ref());
-        // A least tension of -0 is 0, and reads better.
-        let limits = TensionLimits {
-            min: *least.get_ref() + 0.0,
-            max: greatest.map_or(f64::INFINITY, |greatest| *greatest.get_ref()),
-        };
-        let ok = limits.min.is_finite() && limits.min >= 0.0;
-        let allowed = "must be finite and 0 or greater (N): cables cannot push";
-        self.require(ok, least.span().start, &min, limits.min, allowed)?;
-        let at = greatest.unwrap_or(least).span().start;
-        let allowed = "must be greater than the least tension (N)";
-        self.require(limits.max > limits.min, at, &max, limits.max, allowed)?;
-        Ok(limits)
-    }
+/// A cable's own limits, or else those of all.
+fn limits(
+    check: &Checked,
+    cable: &CableEntry,
+    tension: &Tension,
+    name: &str,
+) -> Result<TensionLimits, Refused> {
+    let named = |own: &Option<Spanned<f64>>, field: &str| match own {
+        Some(_) => format!("{name}.{field}_tension"),
+        None => format!("tension.{field}"),
+    };
+    let (min, max) = (named(&cable.min_tension, "min"), named(&cable.max_tension, "max"));
+    let least = cable.min_tension.as_ref().unwrap_or(&tension.min);
+    let greatest = cable.max_tension.as_ref().or(tension.max.as_ref());
+    // A least tension of -0 is 0, and reads better.
+    let limits = TensionLimits {
+        min: *least.get_ref() + 0.0,
+        max: greatest.map_or(f64::INFINITY, |greatest| *greatest.get_ref()),
+    };
+    let ok = limits.min.is_finite() && limits.min >= 0.0;
+    let allowed = "must be finite and 0 or greater (N): cables cannot push";
+    check.require(ok, least, &min, limits.min, allowed)?;
+    let allowed = "must be greater than the least tension (N)";
+    check.require(limits.max > limits.min, greatest.unwrap_or(least), &max, limits.max, allowed)?;
+    Ok(limits)
 }
 
 #[cfg(test)]
@@ -444,7 +395,7 @@ mod tests {
         assert_eq!(
             gravity,
             format!(
-                "line {}: gravity = 0 is not allowed: must be finite and greater than 0",
+                "line {}: gravity = 0 is not allowed: must be finite and greater than 0 (m/s²)",
                 line("gravity")
             )
         );

@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
+use crate::checked_toml::{Checked, Refused};
 use crate::control::static_margin;
 use crate::plan::{ControllerParameters, PoseSource};
 use crate::robot::rig_file::without_null;
@@ -33,17 +34,8 @@ pub enum ScenarioFileError {
     #[error(transparent)]
     Toml(#[from] toml::de::Error),
     /// A value that makes no sense.
-    #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
-    Value {
-        /// Line in the file, from 1.
-        line: usize,
-        /// The field, with its table; goals, disturbances and components counted from 1.
-        field: String,
-        /// The value given.
-        value: String,
-        /// What would be right.
-        allowed: String,
-    },
+    #[error(transparent)]
+    Value(#[from] Refused),
 }
 
 /// JSON Schema of scenario files, for editors: everything that can be said of one field at a time.
@@ -69,12 +61,12 @@ impl ScenarioFile {
 
     /// Line and path of the rig file, the path relative to the scenario's; `None` for the paper's rig.
     pub fn rig(&self) -> Option<(usize, &str)> {
-        self.file.rig.as_ref().map(|rig| (self.line(rig.span().start), rig.get_ref().as_str()))
+        self.file.rig.as_ref().map(|rig| (self.check().line(rig.span().start), rig.get_ref().as_str()))
     }
 
     /// Line of the start; `None` for the rig's home.
     pub fn start_line(&self) -> Option<usize> {
-        start_of(&self.file.start).map(|offset| self.line(offset))
+        start_of(&self.file.start).map(|offset| self.check().line(offset))
     }
 
     /// The scenario on the rig of this name and home, whose controller `base` is where the file says nothing else.
@@ -147,65 +139,69 @@ impl ScenarioFile {
         }
     }
 
-    fn times(&self) -> Result<(f64, f64), ScenarioFileError> {
-        let positive = |number: &Spanned<f64>, field| {
-            let value = *number.get_ref();
-            let ok = value.is_finite() && value > 0.0;
-            self.require(ok, number, field, value, "must be finite and greater than 0 (s)").map(|()| value)
-        };
-        let duration = positive(&self.file.duration, "duration")?;
-        let step = self.file.step.as_ref().map_or(Ok(DEFAULT_STEP), |step| positive(step, "step"))?;
+    fn times(&self) -> Result<(f64, f64), Refused> {
+        let duration = self.check().positive(&self.file.duration, "duration", "s")?;
+        let step = self.file.step.as_ref();
+        let step = step.map_or(Ok(DEFAULT_STEP), |step| self.check().positive(step, "step", "s"))?;
         match count_steps(duration, step) {
             Ok(_) => Ok((duration, step)),
-            Err(right) => Err(self.refusal(self.file.duration.span().start, "duration", duration, &right)),
+            Err(right) => {
+                Err(self.check().refuse(self.file.duration.span().start, "duration", duration, right))
+            }
         }
     }
 
-    fn start(&self, controller: &ControllerParameters, home: Pose) -> Result<Pose, ScenarioFileError> {
+    fn start(&self, controller: &ControllerParameters, home: Pose) -> Result<Pose, Refused> {
         let Some(given) = &self.file.start else { return Ok(home) };
         let pose = self.pose(&controller.rig, given, "start")?;
         let rests = static_margin(&controller.rig.with_limits(TensionLimits::default()), &pose) > 0.0;
         let allowed =
             "it lies outside the static workspace: a cable is slack there, so there is no rest to start from";
-        self.require(rests, given, "start", format!("{:?}", given.get_ref()), allowed)?;
+        self.check().require(rests, given, "start", format!("{:?}", given.get_ref()), allowed)?;
         Ok(pose)
     }
 
     /// A goal that comes after the beginning of the last step is never given.
-    fn goals(&self, rig: &Rig, last: f64) -> Result<Vec<Goal>, ScenarioFileError> {
+    fn goals(&self, rig: &Rig, last: f64) -> Result<Vec<Goal>, Refused> {
         let mut goals: Vec<Goal> = vec![];
         for (i, table) in self.file.goals.iter().enumerate() {
             let field = |name: &str| format!("goals[{}].{name}", i + 1);
             let time = *table.time.get_ref();
             let ok = (0.0..=last + ROUNDING).contains(&time);
             let allowed = format!("must be 0 or greater and at most {last} s, when the last step begins");
-            self.require(ok, &table.time, &field("time"), time, &allowed)?;
+            self.check().require(ok, &table.time, &field("time"), time, &allowed)?;
             let before = goals.last().map_or(f64::NEG_INFINITY, |goal| goal.time);
             let allowed = format!("must come after the goal before it, {before} s");
-            self.require(time > before, &table.time, &field("time"), time, &allowed)?;
+            self.check().require(time > before, &table.time, &field("time"), time, &allowed)?;
             goals.push(Goal { time, pose: self.pose(rig, &table.pose, &field("pose"))? });
         }
         Ok(goals)
     }
 
-    fn disturbances(&self, duration: f64) -> Result<Vec<Disturbance>, ScenarioFileError> {
+    fn disturbances(&self, duration: f64) -> Result<Vec<Disturbance>, Refused> {
         let mut disturbances = vec![];
         for (i, table) in self.file.disturbances.iter().enumerate() {
             let field = |name: &str| format!("disturbances[{}].{name}", i + 1);
             let from = *table.from.get_ref();
             let ok = from.is_finite() && from >= 0.0;
-            self.require(ok, &table.from, &field("from"), from, "must be finite and 0 or greater (s)")?;
+            self.check().require(
+                ok,
+                &table.from,
+                &field("from"),
+                from,
+                "must be finite and 0 or greater (s)",
+            )?;
             let allowed = format!("the run ends at duration = {duration} (s): must be less");
-            self.require(from < duration, &table.from, &field("from"), from, &allowed)?;
+            self.check().require(from < duration, &table.from, &field("from"), from, &allowed)?;
             let until = or(&table.until, f64::INFINITY);
             if let Some(given) = &table.until {
                 let allowed =
                     format!("must be greater than from = {from} (s); without it the disturbance lasts");
-                self.require(until > from, given, &field("until"), until, &allowed)?;
+                self.check().require(until > from, given, &field("until"), until, &allowed)?;
             }
             let given = table.force.is_some() || table.torque.is_some();
             let allowed = "a disturbance needs force = [x, y, z] (N), torque = [x, y, z] (N m), or both";
-            self.require(given, &table.from, &field("force"), "nothing", allowed)?;
+            self.check().require(given, &table.from, &field("force"), "nothing", allowed)?;
             let force = self.vector(table.force.as_ref(), &field("force"))?;
             let torque = self.vector(table.torque.as_ref(), &field("torque"))?;
             disturbances.push(Disturbance { from, until, force, torque });
@@ -214,14 +210,20 @@ impl ScenarioFile {
     }
 
     /// Three or six numbers, where a cable can pull against gravity.
-    fn pose(&self, rig: &Rig, given: &Spanned<Vec<f64>>, field: &str) -> Result<Pose, ScenarioFileError> {
+    fn pose(&self, rig: &Rig, given: &Spanned<Vec<f64>>, field: &str) -> Result<Pose, Refused> {
         let numbers = given.get_ref();
         let ok = matches!(numbers.len(), 3 | 6) && numbers.iter().all(|number| number.is_finite());
         let allowed = "a pose is three finite numbers x, y, z (m), or six with roll, pitch, yaw (rad)";
-        self.require(ok, given, field, format!("{numbers:?}"), allowed)?;
+        self.check().require(ok, given, field, format!("{numbers:?}"), allowed)?;
         for (k, angle) in numbers.iter().enumerate().skip(3) {
             let allowed = "angles are in radians, at most a turn (6.2832) each way";
-            self.require(angle.abs() <= TAU, given, &format!("{field}[{}]", k + 1), angle, allowed)?;
+            self.check().require(
+                angle.abs() <= TAU,
+                given,
+                &format!("{field}[{}]", k + 1),
+                angle,
+                allowed,
+            )?;
         }
         let mut pose = Coordinates::zeros();
         pose.as_mut_slice()[..numbers.len()].copy_from_slice(numbers);
@@ -230,48 +232,21 @@ impl ScenarioFile {
             true => "z points down: below the anchors z is greater than theirs (m)",
             false => "z points up: below the anchors z is less than theirs (m)",
         };
-        self.require(rig.can_be_at(&pose), given, &format!("{field}[3]"), numbers[2], allowed)?;
+        self.check().require(rig.can_be_at(&pose), given, &format!("{field}[3]"), numbers[2], allowed)?;
         Ok(pose)
     }
 
-    fn vector(
-        &self,
-        given: Option<&Spanned<[f64; 3]>>,
-        field: &str,
-    ) -> Result<Vector3<f64>, ScenarioFileError> {
-        let Some(given) = given else { return Ok(Vector3::zeros()) };
-        for (k, value) in given.get_ref().iter().enumerate() {
-            self.require(value.is_finite(), given, &format!("{field}[{}]", k + 1), value, "must be finite")?;
-        }
-        Ok((*given.get_ref()).into())
+    fn vector(&self, given: Option<&Spanned<[f64; 3]>>, field: &str) -> Result<Vector3<f64>, Refused> {
+        given.map_or(Ok(Vector3::zeros()), |given| self.check().vector(given, field, ""))
     }
 
-    /// `ok` or an error for a value that stands where `at` does.
-    fn require<T>(
-        &self,
-        ok: bool,
-        at: &Spanned<T>,
-        field: &str,
-        value: impl ToString,
-        allowed: &str,
-    ) -> Result<(), ScenarioFileError> {
-        if ok { Ok(()) } else { Err(self.refusal(at.span().start, field, value, allowed)) }
-    }
-
-    /// Line of a byte of the text.
-    fn line(&self, offset: usize) -> usize {
-        self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
-    }
-
-    fn refusal(&self, offset: usize, field: &str, value: impl ToString, allowed: &str) -> ScenarioFileError {
-        let line = self.line(offset);
-        let (field, value, allowed) = (field.to_owned(), value.to_string(), allowed.to_owned());
-        ScenarioFileError::Value { line, field, value, allowed }
+    fn check(&self) -> Checked<'_> {
+        Checked { text: &self.text }
     }
 
     /// What the domain refuses, with the place in the file. A parameter that only the rig gives is refused for another that
     /// the file gives: the least tension, above the rig's greatest.
-    fn locate(&self, error: &ParameterError) -> ScenarioFileError {
+    fn locate(&self, error: &ParameterError) -> Refused {
         let (controller, rig) = (&self.file.controller, &self.file.imperfections);
         let least = start_of(&controller.min_tension);
         let name = error.name.split_once('[').map_or(&*error.name, |(name, _)| name);
@@ -296,7 +271,7 @@ impl ScenarioFile {
             "loadCellNoise" => ("imperfections.load_cell_noise", start_of(&rig.load_cell_noise)),
             other => (other, None),
         };
-        self.refusal(offset.unwrap_or(0), field, error.value, &error.allowed)
+        self.check().refuse(offset.unwrap_or(0), field, error.value, error.allowed.as_ref())
     }
 }
 

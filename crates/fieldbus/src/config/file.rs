@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::check::Check;
+use super::values::{bus, time};
 use super::{
     Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, Limits, Parameter, Safe,
     SafeOutput, Setting, Slack, Timeouts, TorqueFrame,
@@ -15,6 +15,7 @@ use super::{
 use crate::canopen::{self, Node, Object, Value, Width};
 use crate::cia402::Winch;
 use crate::load_cell::{Encoding, LoadCell};
+use cable_robot::checked_toml::{Checked, Refused};
 use cable_robot::robot::{Coordinates, Pose, Rig, RigFile};
 
 #[derive(Deserialize)]
@@ -154,7 +155,7 @@ const LARGE: f64 = 1e6;
 
 pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
     let file: File = toml::from_str(text)?;
-    let check = Check { text };
+    let check = Checked { text };
     let rate = check.within(&file.rate, "rate", 1.0..=2000.0, "Hz")?;
     let buses = buses(&check, &file)?;
     let cables = rig.rig.cables.len();
@@ -175,7 +176,7 @@ pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
         limits: limits(&check, &file.limits)?,
         safe: Safe {
             output: file.safe.output,
-            ramp: check.time(&file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
+            ramp: time(&check, &file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
             stiffness: check.within(&file.safe.stiffness, "safe.stiffness", 0.0..=LARGE, "N/m")?,
             damping: check.within(&file.safe.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
         },
@@ -187,7 +188,7 @@ pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
     Ok(config)
 }
 
-fn buses(check: &Check, file: &File) -> Result<Vec<Bus>, ConfigError> {
+fn buses(check: &Checked, file: &File) -> Result<Vec<Bus>, Refused> {
     let entries = file.buses.get_ref();
     if !(1..=4).contains(&entries.len()) {
         let offset = file.buses.span().start;
@@ -201,34 +202,34 @@ fn buses(check: &Check, file: &File) -> Result<Vec<Bus>, ConfigError> {
     entries.iter().enumerate().map(bus).collect()
 }
 
-fn heartbeat(check: &Check, entry: &HeartbeatEntry) -> Result<Heartbeat, ConfigError> {
+fn heartbeat(check: &Checked, entry: &HeartbeatEntry) -> Result<Heartbeat, Refused> {
     let period = check.within(&entry.period, "heartbeat.period", 0.005..=10.0, "s")?;
     let longer = 2.0 * period..=60.0;
     Ok(Heartbeat {
-        period: check.time(&entry.period, "heartbeat.period", 0.005..=10.0)?,
-        timeout: check.time(&entry.timeout, "heartbeat.timeout", longer.clone())?,
-        drive_watchdog: check.time(&entry.drive_watchdog, "heartbeat.drive_watchdog", longer)?,
+        period: time(check, &entry.period, "heartbeat.period", 0.005..=10.0)?,
+        timeout: time(check, &entry.timeout, "heartbeat.timeout", longer.clone())?,
+        drive_watchdog: time(check, &entry.drive_watchdog, "heartbeat.drive_watchdog", longer)?,
     })
 }
 
-fn timeouts(check: &Check, entry: &TimeoutEntry) -> Result<Timeouts, ConfigError> {
+fn timeouts(check: &Checked, entry: &TimeoutEntry) -> Result<Timeouts, Refused> {
     Ok(Timeouts {
-        boot: check.time(&entry.boot, "timeouts.boot", 0.1..=120.0)?,
-        service: check.time(&entry.service, "timeouts.service", 0.01..=10.0)?,
-        drive: check.time(&entry.drive, "timeouts.drive", 0.1..=60.0)?,
-        enable: check.time(&entry.enable, "timeouts.enable", 0.02..=5.0)?,
+        boot: time(check, &entry.boot, "timeouts.boot", 0.1..=120.0)?,
+        service: time(check, &entry.service, "timeouts.service", 0.01..=10.0)?,
+        drive: time(check, &entry.drive, "timeouts.drive", 0.1..=60.0)?,
+        enable: time(check, &entry.enable, "timeouts.enable", 0.02..=5.0)?,
     })
 }
 
-fn slack(check: &Check, entry: &SlackEntry) -> Result<Slack, ConfigError> {
+fn slack(check: &Checked, entry: &SlackEntry) -> Result<Slack, Refused> {
     Ok(Slack {
         pretension: check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?,
-        ramp: check.time(&entry.ramp, "slack.ramp", 0.01..=60.0)?,
+        ramp: time(check, &entry.ramp, "slack.ramp", 0.01..=60.0)?,
         most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
     })
 }
 
-fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
+fn limits(check: &Checked, entry: &LimitEntry) -> Result<Limits, Refused> {
     let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
     Ok(Limits {
         lost_cycles: check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=100, "cycles")?,
@@ -237,12 +238,12 @@ fn limits(check: &Check, entry: &LimitEntry) -> Result<Limits, ConfigError> {
         freeze_travel: number(&entry.freeze_travel, "freeze_travel", 1e-4..=1.0, "m")?,
         tilt: number(&entry.tilt, "tilt", 0.01..=1.4, "rad")?,
         disagreement: number(&entry.disagreement, "disagreement", 0.01..=LARGE, "N")?,
-        disagreement_time: check.time(&entry.disagreement_time, "limits.disagreement_time", 0.0..=10.0)?,
+        disagreement_time: time(check, &entry.disagreement_time, "limits.disagreement_time", 0.0..=10.0)?,
         stuck: number(&entry.stuck, "stuck", 0.01..=LARGE, "N")?,
     })
 }
 
-fn home(check: &Check, home: &Spanned<[f64; 6]>, rig: &Rig) -> Result<Pose, ConfigError> {
+fn home(check: &Checked, home: &Spanned<[f64; 6]>, rig: &Rig) -> Result<Pose, Refused> {
     let (names, offset) = (["x", "y", "z", "roll", "pitch", "yaw"], home.span().start);
     for (k, value) in home.get_ref().iter().enumerate() {
         if !value.is_finite() {
@@ -276,11 +277,7 @@ const OF_THE_RIG: [&str; 14] = [
     "maxTension",
 ];
 
-fn controller(
-    check: &Check,
-    entry: &ControllerEntry,
-    rig: &RigFile,
-) -> Result<ControllerConfig, ConfigError> {
+fn controller(check: &Checked, entry: &ControllerEntry, rig: &RigFile) -> Result<ControllerConfig, Refused> {
     for (name, value) in &entry.parameters {
         let stem = name.split(['.', '[']).next().unwrap_or(name);
         if OF_THE_RIG.contains(&stem) {
@@ -295,17 +292,17 @@ fn controller(
 }
 
 fn object(
-    check: &Check,
+    check: &Checked,
     field: &str,
     index: &Spanned<u32>,
     subindex: &Spanned<u32>,
-) -> Result<Object, ConfigError> {
+) -> Result<Object, Refused> {
     let index = check.within(index, &format!("{field}.index"), 0x1000..=0xFFFF, "(0x1000 to 0xFFFF)")?;
     let subindex = check.within(subindex, &format!("{field}.subindex"), 0..=255, "")?;
     Ok(Object::new(index as u16, subindex as u8))
 }
 
-fn settings(check: &Check, entries: &[ObjectEntry], table: &str) -> Result<Vec<Setting>, ConfigError> {
+fn settings(check: &Checked, entries: &[ObjectEntry], table: &str) -> Result<Vec<Setting>, Refused> {
     let setting = |(k, entry): (usize, &ObjectEntry)| {
         let field = format!("{table}[{}]", k + 1);
         let bytes = check.within(&entry.bytes, &format!("{field}.bytes"), 1..=4, "")?;
@@ -321,11 +318,11 @@ fn settings(check: &Check, entries: &[ObjectEntry], table: &str) -> Result<Vec<S
 
 /// An entry for each of so many cables, or an error that says how many there are.
 fn one_a_cable<T>(
-    check: &Check,
+    check: &Checked,
     entries: &Spanned<Vec<T>>,
     table: &str,
     cables: usize,
-) -> Result<(), ConfigError> {
+) -> Result<(), Refused> {
     let count = entries.get_ref().len();
     let refusal = || {
         let allowed = format!("must be {cables}, one a cable of the rig file, in the order of the cables");
@@ -334,7 +331,7 @@ fn one_a_cable<T>(
     if count == cables { Ok(()) } else { Err(refusal()) }
 }
 
-fn drives(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Drive>, ConfigError> {
+fn drives(check: &Checked, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Drive>, Refused> {
     one_a_cable(check, &file.drives, "drives", cables)?;
     let entries = file.drives.get_ref();
     let drives: Vec<_> = entries
@@ -364,7 +361,7 @@ fn drives(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Result<Ve
     Ok(drives)
 }
 
-fn drive(check: &Check, entry: &DriveEntry, i: usize, buses: &[Bus]) -> Result<Drive, ConfigError> {
+fn drive(check: &Checked, entry: &DriveEntry, i: usize, buses: &[Bus]) -> Result<Drive, Refused> {
     let field = |name: &str| format!("drives[{}].{name}", i + 1);
     let number = |value, name: &str, range, unit| check.within(value, &field(name), range, unit);
     let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
@@ -394,10 +391,10 @@ fn drive(check: &Check, entry: &DriveEntry, i: usize, buses: &[Bus]) -> Result<D
         counts_per_turn: number(&entry.counts_per_turn, "counts_per_turn", 16.0..=4_294_967_296.0, "")?,
         direction,
     };
-    Ok(Drive { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, torque_frame, winch })
+    Ok(Drive { bus: bus(check, &entry.bus, &field("bus"), buses)?, node, torque_frame, winch })
 }
 
-fn load_cells(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Cell>, ConfigError> {
+fn load_cells(check: &Checked, file: &File, buses: &[Bus], cables: usize) -> Result<Vec<Cell>, Refused> {
     one_a_cable(check, &file.load_cells, "load_cells", cables)?;
     let entries = file.load_cells.get_ref();
     let mut cells: Vec<_> = entries
@@ -418,7 +415,7 @@ fn load_cells(check: &Check, file: &File, buses: &[Bus], cables: usize) -> Resul
     Ok(cells)
 }
 
-fn load_cell(check: &Check, entry: &CellEntry, i: usize, buses: &[Bus]) -> Result<Cell, ConfigError> {
+fn load_cell(check: &Checked, entry: &CellEntry, i: usize, buses: &[Bus]) -> Result<Cell, Refused> {
     let field = |name: &str| format!("load_cells[{}].{name}", i + 1);
     let (scale, offset) = (*entry.scale.get_ref(), *entry.offset.get_ref());
     if !(scale.is_finite() && scale != 0.0) {
@@ -439,5 +436,5 @@ fn load_cell(check: &Check, entry: &CellEntry, i: usize, buses: &[Bus]) -> Resul
         range: [least, greatest],
     };
     let node = check.within(&entry.node, &field("node"), 1..=127, "")? as Node;
-    Ok(Cell { bus: check.bus(&entry.bus, &field("bus"), buses)?, node, byte: 0, cell })
+    Ok(Cell { bus: bus(check, &entry.bus, &field("bus"), buses)?, node, byte: 0, cell })
 }

@@ -1,8 +1,8 @@
 //! The fieldbus file of `can-bridge`: what is on which bus, how it scales, what is allowed, what to do when it fails. Geometry, mass and
 //! limits of the tensions stand in the rig file that it names.
 
-mod check;
 mod file;
+mod values;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,6 +14,7 @@ use super::Nanoseconds;
 use super::canopen::{Node, Object, Value};
 use super::cia402::Winch;
 use super::load_cell::LoadCell;
+use cable_robot::checked_toml::Refused;
 use cable_robot::robot::{Pose, Rig, RigFile};
 
 /// Everything `can-bridge` knows of a rig.
@@ -243,17 +244,8 @@ pub enum ConfigError {
     #[error(transparent)]
     Toml(#[from] toml::de::Error),
     /// A value that makes no sense.
-    #[error("line {line}: {field} = {value} is not allowed: {allowed}")]
-    Value {
-        /// Line in the file, from 1.
-        line: usize,
-        /// The field, with its table; cables counted from 1.
-        field: String,
-        /// The value given.
-        value: String,
-        /// What would be right.
-        allowed: String,
-    },
+    #[error(transparent)]
+    Value(#[from] Refused),
 }
 
 /// The path of the rig file that this fieldbus file names, relative to its own folder.

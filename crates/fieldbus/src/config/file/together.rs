@@ -5,8 +5,8 @@ use toml::Spanned;
 use super::{DriveEntry, File};
 use crate::canopen::{Node, Object};
 use crate::cia402::{CONTROL_WORD, MAX_TORQUE, MODE, TARGET_TORQUE};
-use crate::config::check::Check;
-use crate::config::{Config, ConfigError};
+use crate::config::Config;
+use cable_robot::checked_toml::{Checked, Refused};
 use cable_robot::control::static_tensions;
 use cable_robot::robot::PerCable;
 
@@ -15,7 +15,7 @@ const OWN_INDICES: [u16; 6] = [0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00];
 const OWN_OBJECTS: [Object; 4] = [CONTROL_WORD, MODE, TARGET_TORQUE, MAX_TORQUE];
 
 /// Looks at all of it.
-pub(super) fn check(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+pub(super) fn check(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     tensions_are_limited(check, file, config)?;
     nodes_are_different(check, file, config)?;
     buses_are_different(check, file)?;
@@ -28,7 +28,7 @@ pub(super) fn check(check: &Check, file: &File, config: &Config) -> Result<(), C
 }
 
 /// No address twice, on whatever bus: faults name nodes.
-fn nodes_are_different(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn nodes_are_different(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let (drives, cells) = (file.drives.get_ref(), file.load_cells.get_ref());
     let mut taken: Vec<(Node, String)> = vec![(config.node, "the bridge".to_owned())];
     let mut claim =
@@ -55,7 +55,7 @@ fn nodes_are_different(check: &Check, file: &File, config: &Config) -> Result<()
     Ok(())
 }
 
-fn buses_are_different(check: &Check, file: &File) -> Result<(), ConfigError> {
+fn buses_are_different(check: &Checked, file: &File) -> Result<(), Refused> {
     let buses = file.buses.get_ref();
     for (k, bus) in buses.iter().enumerate() {
         if let Some(j) = buses[..k].iter().position(|other| other.name.get_ref() == bus.name.get_ref()) {
@@ -67,7 +67,7 @@ fn buses_are_different(check: &Check, file: &File) -> Result<(), ConfigError> {
     Ok(())
 }
 
-fn readings_are_different(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn readings_are_different(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let reading = |i: usize| (config.load_cells[i].node, config.load_cells[i].cell.object);
     for i in 0..config.load_cells.len() {
         if let Some(j) = (0..i).find(|j| reading(*j) == reading(i)) {
@@ -80,7 +80,7 @@ fn readings_are_different(check: &Check, file: &File, config: &Config) -> Result
     Ok(())
 }
 
-fn objects_are_not_our_own(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn objects_are_not_our_own(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let entries = file.drive_objects.iter().chain(&file.load_cell_objects);
     let settings = config.drive_objects.iter().chain(&config.load_cell_objects);
     for (entry, object) in entries.zip(settings.map(|setting| setting.object)) {
@@ -93,7 +93,7 @@ fn objects_are_not_our_own(check: &Check, file: &File, config: &Config) -> Resul
 }
 
 /// A motor always has a greatest tension.
-fn tensions_are_limited(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn tensions_are_limited(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let Some(i) = config.rig.cables.iter().position(|cable| cable.limits.max.is_infinite()) else {
         return Ok(());
     };
@@ -102,7 +102,7 @@ fn tensions_are_limited(check: &Check, file: &File, config: &Config) -> Result<(
 }
 
 /// A torque that is cut without a word is not what the controller reckons with.
-fn motors_are_strong_enough(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn motors_are_strong_enough(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     for (i, entry) in file.drives.get_ref().iter().enumerate() {
         let DriveEntry { torque_limit, .. } = entry;
         let (winch, most) = (&config.drives[i].winch, config.rig.cables[i].limits.max);
@@ -117,7 +117,7 @@ fn motors_are_strong_enough(check: &Check, file: &File, config: &Config) -> Resu
     Ok(())
 }
 
-fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn home_is_held(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let tensions = static_tensions(&config.rig, &config.home, 0.0);
     let limits = config.rig.limits();
     let within = |tensions: &PerCable<f64>| {
@@ -134,7 +134,7 @@ fn home_is_held(check: &Check, file: &File, config: &Config) -> Result<(), Confi
 }
 
 /// By each load cell, and not by the stand.
-fn pretension_is_seen(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn pretension_is_seen(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let (pretension, most) = (config.slack.pretension, greatest_pretension(config));
     if pretension > most {
         let allowed = format!(
@@ -165,7 +165,7 @@ fn greatest_pretension(config: &Config) -> f64 {
 }
 
 /// The bridge's heartbeat comes with a cycle, and after a pause that it rides through the drives must still be there.
-fn drives_are_patient(check: &Check, file: &File, config: &Config) -> Result<(), ConfigError> {
+fn drives_are_patient(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
     let pause = config.period * u64::from(config.limits.lost_cycles + 1);
     let needed = pause.max(2 * config.period).max(config.heartbeat.period);
     if config.heartbeat.drive_watchdog > needed {
