@@ -6,45 +6,31 @@ use std::hint::black_box;
 use std::path::PathBuf;
 
 use cable_robot::control::Gains;
+use cable_robot::control::lyapunov::tension_command;
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
-use cable_robot::plan::{Controller, ControllerInputs, ControllerParameters};
+use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
 use cable_robot::reach::certificate::{Step, certify};
 use cable_robot::reach::exact::NEVER_SLACK;
 use cable_robot::reach::{BoundedDomain, ExactDomain};
 use cable_robot::robot::{
-    Coordinates, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
+    Coordinates, PerCable, Pose, Rig, RigFile, RobotParameters, TensionLimits, forward_kinematics,
 };
-use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
+use cable_robot::sim::{ClosedLoop, Moment, PlantParameters};
 use cable_robot_import::{Fmu, Instance};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Vector2, Vector3};
 
 const STEP: f64 = 1e-3;
 
-fn inputs(plant: &Plant, goal: Pose) -> ControllerInputs {
-    let output = plant.outputs();
-    ControllerInputs {
-        encoder_pose: output.encoder_pose,
-        cable_length: output.cable_length,
-        measured_tension: output.measured_tension,
-        goal_pose: goal,
-        enable: true,
-    }
-}
-
 /// Plant and controller at rest at the paper's start, each pulling what holds it there.
-fn at_rest() -> (Controller, Plant, PlantInputs) {
-    let hanging = Plant::new(PlantParameters::default(), &PlantInputs::none(6)).unwrap();
-    let controller =
-        Controller::new(ControllerParameters::default(), 0.0, &inputs(&hanging, Pose::default())).unwrap();
-    let pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
-    (controller, Plant::new(PlantParameters::default(), &pull).unwrap(), pull)
+fn at_rest(goal: Pose) -> ClosedLoop {
+    ClosedLoop::new(ControllerParameters::default(), PlantParameters::default(), goal).unwrap()
 }
 
 fn library_steps(c: &mut Criterion) {
-    let (mut controller, mut plant, pull) = at_rest();
-    let resting = inputs(&plant, Pose::default());
+    let ClosedLoop { mut controller, mut plant, .. } = at_rest(Pose::default());
+    let Moment { controller_inputs: resting, plant_inputs: pull, .. } = *at_rest(Pose::default()).moment();
     let mut count = 0u32;
     c.bench_function("controller step, library", |b| {
         b.iter(|| {
@@ -132,23 +118,80 @@ fn exact(c: &mut Criterion) {
     });
 }
 
+/// Rigs of six cables that are the paper's and are not, of eight and of twelve, and a pose a little off their homes.
+fn rigs() -> [(&'static str, Rig, Pose); 4] {
+    let RigFile { rig: paper, home, .. } = RigFile::default();
+    let mut six = paper;
+    six.cables.iter_mut().enumerate().for_each(|(i, cable)| cable.anchor.z += 0.01 * i as f64);
+    let RigFile { rig: eight, home: of_eight, .. } =
+        RigFile::parse(include_str!("../rigs/eight.toml")).unwrap();
+    let mut cables: Vec<_> = eight.cables.iter().copied().collect();
+    for i in 0..4 {
+        let mut cable = eight.cables[i];
+        cable.anchor *= 0.8;
+        cables.push(cable);
+    }
+    let twelve = Rig { cables: PerCable::from_slice(&cables).unwrap(), ..eight };
+    [
+        ("the paper's rig", paper, home),
+        ("six cables", six, home),
+        ("eight cables", eight, of_eight),
+        ("twelve cables", twelve, of_eight),
+    ]
+}
+
+/// The law, the plant, a decision of `Exact` and the controller's step under way with observer, of each.
+fn any_rig(c: &mut Criterion) {
+    for (name, rig, home) in rigs() {
+        let gains = Gains { lambda: 3.0, eta: 3.0 };
+        let size = rig.radius();
+        let by = Coordinates::new(0.1 * size, 0.05 * size, 0.02 * size, 0.0, 0.0, 0.05);
+        let (at, rates) = (Pose(home.0 + by), Coordinates::repeat(0.05));
+        let margin = 0.0017 * rig.weight();
+        c.bench_function(&format!("law, {name}"), |b| {
+            b.iter(|| tension_command(&rig, &gains, black_box(&at), &rates, &home, margin).unwrap())
+        });
+        let parameters =
+            ControllerParameters { planner: PlannerKind::Exact, ..ControllerParameters::of(&rig) };
+        let planner = Planner::from(parameters);
+        c.bench_function(&format!("decision, {name}"), |b| {
+            b.iter(|| planner.next_from_rest(black_box(&home), &at))
+        });
+        let plant = PlantParameters { rig, initial_pose: home, ..Default::default() };
+        let mut joined = ClosedLoop::new(parameters, plant, at).unwrap();
+        (0..100).for_each(|_| drop(joined.step(STEP)));
+        let Moment { controller_inputs, plant_inputs, .. } = *joined.moment();
+        let (mut controller, mut plant) = (joined.controller.clone(), joined.plant.clone());
+        c.bench_function(&format!("plant step, {name}"), |b| {
+            b.iter(|| plant.step(black_box(&plant_inputs), STEP).unwrap())
+        });
+        let (mut count, mut seen) = (0u32, controller_inputs);
+        seen.encoder_pose = at;
+        seen.goal_pose = at;
+        c.bench_function(&format!("controller step, Exact, {name}"), |b| {
+            b.iter(|| {
+                count += 1;
+                controller.step(1.0 + f64::from(count) * STEP, STEP, black_box(&seen));
+            })
+        });
+    }
+}
+
 /// Throughput in elements a second is simulated milliseconds a second.
 fn closed_loop(c: &mut Criterion) {
     let mut group = c.benchmark_group("closed loop, library");
     group.throughput(Throughput::Elements(1000)).sample_size(20);
     group.bench_function("one simulated second of the paper's manoeuvre at 1 kHz", |b| {
         b.iter(|| {
-            let (mut controller, mut plant, mut pull) = at_rest();
-            for k in 0..1000u32 {
-                controller.step(f64::from(k) * STEP, STEP, &inputs(&plant, Pose::at(0.15, 0.15, 1.0)));
-                pull.motor_tension = controller.outputs().motor_tension;
-                plant.step(&pull, STEP).unwrap();
+            let mut joined = at_rest(Pose::at(0.15, 0.15, 1.0));
+            for _ in 0..1000 {
+                joined.step(STEP).unwrap();
             }
-            plant
+            joined.moment().plant
         })
     });
     group.finish();
 }
 
-criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, exact, closed_loop);
+criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, exact, any_rig, closed_loop);
 criterion_main!(benches);

@@ -35,15 +35,20 @@ PATIENT = {
 
 @pytest.fixture(scope="session", autouse=True)
 def program():
-    subprocess.run("cargo build --quiet --bin can-bridge".split(), cwd=ROOT, check=True)
+    subprocess.run("cargo build --quiet --bin can-bridge --bin cable-robot".split(), cwd=ROOT, check=True)
+
+
+def patient(name: str, changes: dict) -> str:
+    """An example's fieldbus file, with these changes."""
+    text = (ROOT / "rigs/can" / name).read_text()
+    for field, value in changes.items():
+        text, count = re.subn(rf"^{field} = \S+", f"{field} = {value}", text, count=1, flags=re.M)
+        assert count == 1, field
+    return re.sub(r"(\[slack\][^[]*?ramp = )2.0", r"\g<1>0.5", text)
 
 
 def rig_file(folder: Path, packed: bool) -> tuple[Path, dict]:
-    text = (ROOT / "rigs/can/akd.toml").read_text()
-    for name, value in PATIENT.items():
-        text, count = re.subn(rf"^{name} = \S+", f"{name} = {value}", text, count=1, flags=re.M)
-        assert count == 1, name
-    text = re.sub(r"(\[slack\][^[]*?ramp = )2.0", r"\g<1>0.5", text)
+    text = patient("akd.toml", PATIENT)
     # Winches that differ, so that none can be mistaken for another.
     for k, gear, radius in ((1, 1.0, 0.02), (2, 3.0, 0.05), (4, 0.5, 0.01)):
         parts = text.split("[[drives]]")
@@ -108,8 +113,24 @@ def packed():
 
 
 @pytest.fixture
-def rig(tmp_path, packed):
-    return rig_file(tmp_path, packed)
+def cables():
+    """Of the rig; a test of eight says so by a parameter."""
+    return 6
+
+
+@pytest.fixture
+def rig(tmp_path, packed, cables):
+    return rig_file(tmp_path, packed) if cables == 6 else file_of_eight(tmp_path)
+
+
+def file_of_eight(folder: Path) -> tuple[Path, dict]:
+    options = ["fmu", "--rig", ROOT / "rigs/eight.toml", "--output", folder, "--library", ROOT / "target/fmu"]
+    subprocess.run([PROGRAM.with_name("cable-robot"), *options], check=True, capture_output=True)
+    fmu = f'"{folder}/fmi3/CableRobotController.fmu"'
+    text = patient("eight.toml", PATIENT | {"fmu": fmu, "rig": f'"{ROOT}/rigs/eight.toml"'})
+    path = folder / "rig.toml"
+    path.write_text(text)
+    return path, tomllib.loads(text)
 
 
 @pytest.fixture
@@ -193,6 +214,28 @@ def corner(side: float, degrees: float) -> tuple[float, float]:
     """Corner of an equilateral triangle around the origin."""
     radius, angle = side / math.sqrt(3), math.radians(degrees)
     return radius * math.cos(angle), radius * math.sin(angle)
+
+
+@pytest.mark.parametrize("cables", [8])
+def test_eight_cables_carry_their_platform(lab, session):
+    """Force and torque of what eight drives pull are the weight, and every cable is within its limits."""
+    session = enabled(session)
+    time.sleep(2.0)
+    pulls = [drive.pull() for drive in lab.drives]
+    file = tomllib.loads((ROOT / "rigs/eight.toml").read_text())
+    force, torque = [0.0] * 3, [0.0] * 3
+    # Torques are whole per mille: half of one for each drive, on arms of less than half a metre.
+    rounding = sum(0.0005 * d.entry["rated_torque"] * d.entry["gear"] / d.entry["pulley_radius"] for d in lab.drives)
+    for pull, cable in zip(pulls, file["cables"], strict=True):
+        assert file["tension"]["min"] < pull < file["tension"]["max"]
+        arm = [a - c for a, c in zip(cable["attachment"], file["platform"]["center_of_mass"])]
+        way = [a - (h + r) for a, h, r in zip(cable["anchor"], file["home"], arm)]
+        pulled = [pull * component / math.hypot(*way) for component in way]
+        force = [f + p for f, p in zip(force, pulled)]
+        torque = [t + arm[(k + 1) % 3] * pulled[(k + 2) % 3] - arm[(k + 2) % 3] * pulled[(k + 1) % 3] for k, t in enumerate(torque)]
+    assert force == pytest.approx([0.0, 0.0, -file["platform"]["mass"] * file["gravity"]], abs=rounding)
+    assert torque == pytest.approx([0.0] * 3, abs=0.5 * rounding)
+    assert session.status["tension"] == pytest.approx(pulls, abs=0.5)
 
 
 @pytest.mark.parametrize("packed", [True])

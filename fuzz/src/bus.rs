@@ -12,8 +12,11 @@ use cable_robot_fieldbus::{
     Bridge, Config, Frame, FrameQueue, LibraryController, Nanoseconds, OperatorCommand, State,
 };
 
-const AKD: &str = include_str!("../../rigs/can/akd.toml");
-const LAB: &str = include_str!("../../rigs/can/lab.toml");
+/// The fieldbus files of the examples, and the rig files that they name.
+const EXAMPLES: [[&str; 2]; 2] = [
+    [include_str!("../../rigs/can/akd.toml"), include_str!("../../rigs/can/lab.toml")],
+    [include_str!("../../rigs/can/eight.toml"), include_str!("../../rigs/eight.toml")],
+];
 
 /// The bytes are what happens, in its order: the first says where it begins.
 ///
@@ -41,15 +44,20 @@ struct World {
     is_pressed: bool,
 }
 
-/// The rig of the examples.
+/// The rig of the first example.
 pub fn lab() -> RigFile {
-    RigFile::parse(LAB).expect("the example is right")
+    RigFile::parse(EXAMPLES[0][1]).expect("the example is right")
 }
 
 impl World {
-    /// Just started; set up; taut; under the controller; one that only listens.
+    /// Of each example: just started; set up; taut; under the controller; one that only listens.
     fn beginnings() -> Vec<Self> {
-        let config = Config::parse(AKD, &lab()).expect("the example is right");
+        EXAMPLES.into_iter().flat_map(Self::beginnings_of).collect()
+    }
+
+    fn beginnings_of([fieldbus, rig]: [&str; 2]) -> Vec<Self> {
+        let rig = RigFile::parse(rig).expect("the example is right");
+        let config = Config::parse(fieldbus, &rig).expect("the example is right");
         let fresh =
             || Bench::new(config.clone(), PlantParameters::default()).expect("an ideal plant is allowed");
         let (start, mut homing, mut ready, mut enabled) = (fresh(), fresh(), fresh(), fresh());
@@ -123,12 +131,21 @@ impl World {
             self.rig.on_frame(*bus, frame, now, &mut self.coming);
         }
         while self.bridge.take_event().is_some() {}
-        for (tension, torque) in report.tension.iter().zip(report.target_torque) {
-            // 60 N, and 1.6 N m of 1 N m: what the example allows. A torque is rounded.
-            assert!((0.0..=60.1).contains(tension) && torque.abs() <= 1600, "{report:?}");
+        let config = self.bridge.config();
+        for (i, tension) in report.tension.iter().enumerate() {
+            // A torque is rounded.
+            let (winch, limits) = (&config.drives[i].winch, &config.rig.cables[i].limits);
+            let most = 1000.0 * winch.torque_limit / winch.rated_torque;
+            let torque = f64::from(report.target_torque[i]);
+            assert!((0.0..=limits.max + 0.1).contains(tension) && torque.abs() <= most, "{report:?}");
         }
         let is_off = matches!(report.state, State::Configuring | State::Homing | State::Off | State::Shadow);
-        assert!(!is_off || report.target_torque == [0; 6] || report.state == State::Shadow, "{report:?}");
+        assert!(
+            !is_off
+                || report.target_torque.iter().all(|torque| *torque == 0)
+                || report.state == State::Shadow,
+            "{report:?}"
+        );
         assert!(report.state != State::Shadow || out.frames().is_empty(), "a shadow sent {:?}", out.frames());
     }
 }
