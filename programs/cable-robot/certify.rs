@@ -73,7 +73,7 @@ impl Certify {
             self.show_json(&verdict)?
         } else {
             let margins = self.margins(&file.rig);
-            let is_any = margins == Margins { kept: margins.kept, ..Margins::default() };
+            let is_any = margins == Margins { law_margin: margins.law_margin, ..Margins::default() };
             self.show(&verdict, is_any && file.rig.cables.len() > LEAST_CABLES)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
@@ -86,7 +86,7 @@ impl Certify {
             force: self.force,
             torque: self.torque,
             friction: self.friction,
-            kept: Planner::from(ControllerParameters::of(rig)).allowance(),
+            law_margin: Planner::from(ControllerParameters::of(rig)).allowance(),
             accuracy: self.accuracy.unwrap_or(rig.accuracy),
             sample_period: self.sample_period,
             delay: self.delay,

@@ -301,7 +301,7 @@ const MARGINS: Margins = Margins {
     force: 0.05,
     torque: 0.001,
     friction: 0.001,
-    kept: 0.0,
+    law_margin: 0.0,
     accuracy: 3e-5,
     sample_period: PERIOD,
     delay: PERIOD,

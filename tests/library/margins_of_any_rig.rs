@@ -26,13 +26,13 @@ fn cases() -> [Case; 3] {
         force: 0.1,
         torque: 0.005,
         friction: 0.004,
-        kept: 1.0,
+        law_margin: 1.0,
         accuracy: 4e-6,
         sample_period: 2e-4,
         delay: 2e-4,
     };
     let of_six =
-        Margins { friction: 0.0005, kept: 0.0, accuracy: 1e-5, torque: 0.002, force: 0.05, ..of_eight };
+        Margins { friction: 0.0005, law_margin: 0.0, accuracy: 1e-5, torque: 0.002, force: 0.05, ..of_eight };
     let at = |name, rig, margins, height, size, turn| Case { name, rig, margins, height, size, turn };
     [
         at("eight cables", eight(), of_eight, 2.0, 0.5, 0.1),
@@ -97,7 +97,7 @@ fn run(rng: &mut Pcg64, case: &Case, step: &Step) -> [f64; 2] {
         }
         let (pose, rates) = seen;
         inputs.motor_tension =
-            lyapunov::tension_command(rig, &step.gains, &pose, &rates, &step.set_point, margins.kept)
+            lyapunov::tension_command(rig, &step.gains, &pose, &rates, &step.set_point, margins.law_margin)
                 .unwrap();
         seen = state(&plant); // used one period later
         plant.step(&inputs, margins.sample_period).unwrap();

@@ -32,7 +32,7 @@ const MARGINS: certificate::Margins = certificate::Margins {
     torque: 0.001,
     friction: 0.001,
     // The packed plant has the geometry that is believed.
-    kept: 0.0,
+    law_margin: 0.0,
     accuracy: 0.0,
     sample_period: PERIOD,
     delay: PERIOD,

@@ -32,7 +32,7 @@ pub struct Margins {
     /// Difference of what a cable pulls from what was commanded, N: friction that no force loop makes up for.
     pub friction: f64,
     /// What the law keeps from the limits where it can, N: more than six cables must be shared by (D1) with this margin.
-    pub kept: f64,
+    pub law_margin: f64,
     /// Distance of anchors and attachments from where the rig says they are, m.
     pub accuracy: f64,
     /// Longest time for which a command is held, s.
@@ -148,7 +148,7 @@ fn largest_angle(step: &Step, tube: &Tube, k: usize) -> f64 {
     (goal + least).abs().max((goal + greatest).abs()) + tube.coordinates[k]
 }
 
-/// The coordinates, rates and accelerations that the law is told, while the cables are within `extent`; `None` where no bound is found.
+/// The coordinates, rates and accelerations that reach the law, while the cables are within `extent`; `None` where no bound is found.
 ///
 /// For a bound D of the accelerations that the model does not know, the motion stays in a tube about the closed form, and in this tube
 /// those accelerations are below G(D). A D with G(D) < D is what is looked for.
@@ -158,7 +158,7 @@ pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent) -> Optio
         let around = Around::new(rig, step, margins, &bound);
         let disturbance = around.disturbance(extent)?;
         if disturbance.iter().zip(&bound).all(|(found, tried)| found < tried || *found == 0.0) {
-            return Some(around.told());
+            return Some(around.sensed());
         }
         bound = disturbance * GROWTH;
     }
@@ -205,15 +205,15 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// How far the law's accelerations at the state it is told are from those at the true one.
+    /// How far the law's accelerations at the state that reaches it are from those at the true one.
     fn late(&self) -> Coordinates {
         let (sum, product) =
             (self.step.gains.lambda + self.step.gains.eta, self.step.gains.omega_n_squared());
         (self.rates * product + self.actual * sum) * (self.age * UPWARDS)
     }
 
-    /// The tube of what the law is told.
-    fn told(&self) -> Tube {
+    /// The tube of what reaches the law.
+    fn sensed(&self) -> Tube {
         Tube {
             coordinates: (self.tube.coordinates + self.rates * self.age) * UPWARDS,
             rates: (self.tube.rates + self.actual * self.age) * UPWARDS,
@@ -229,9 +229,9 @@ impl<'a> Around<'a> {
         let wheels = Wheels::new(rig, extent, margins.accuracy)?;
         let shortest = wheels.shortest;
         let (speed, spin) = (linear(&self.rates), angular(&self.rates));
-        let told = self.told();
-        let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &told, k));
-        if lost_angles(self.step, &told).is_some() {
+        let sensed = self.sensed();
+        let [roll, pitch] = [ROLL, PITCH].map(|k| largest_angle(self.step, &sensed, k));
+        if lost_angles(self.step, &sensed).is_some() {
             return None;
         }
         // What the cables' force and torque change by while a command is held and grows old, and what friction takes or adds.
@@ -265,9 +265,9 @@ impl<'a> Around<'a> {
         let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
         let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque;
         let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
-        let told = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
+        let believed = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
         let answer = inverse * torque.add_scalar(outer);
-        let body = Vector3::from_fn(|k, _| known * (told + answer[k]));
+        let body = Vector3::from_fn(|k, _| known * (believed + answer[k]));
         // From angular accelerations about the platform's axes to those of the angles.
         let across = roll * body.y + body.z;
         let angles = [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()];

@@ -126,7 +126,7 @@ pub fn certify_within(
 ///
 /// "Not admissible" is proved of the closed form. Where that is admissible and the margins take too much, the answer is "undecided".
 ///
-/// More than six cables must be shared by (D1), which keeps `margins.kept` from the limits: at least `friction` and a ten-thousandth of how far the
+/// More than six cables must be shared by (D1), which keeps `margins.law_margin` from the limits: at least `friction` and a ten-thousandth of how far the
 /// tensions are from its reference.
 ///
 /// # Errors
@@ -134,7 +134,7 @@ pub fn certify_within(
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
     check(rig, &rig.limits(), step)?;
     check_margins(margins)?;
-    if *margins == (Margins { kept: margins.kept, ..Margins::default() }) {
+    if *margins == (Margins { law_margin: margins.law_margin, ..Margins::default() }) {
         return certify(rig, step);
     }
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
@@ -187,8 +187,9 @@ fn walk(
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
 fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
     let is_one = rig.cables.len() == LEAST_CABLES;
-    let (friction, kept) = (margins.friction, if is_one { margins.friction } else { margins.kept });
-    let limits = rig.limits().map(|limits| limits.shrunk(kept));
+    let (friction, law_margin) =
+        (margins.friction, if is_one { margins.friction } else { margins.law_margin });
+    let limits = rig.limits().map(|limits| limits.shrunk(law_margin));
     let spans = || search::MOST_SPANS;
     closed_form(rig, &rig.limits(), step, &mut spans())?;
     let mut extent = Extent::none();
@@ -206,7 +207,7 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
             intruded = intruded.max(intrusion);
         })
         .map_err(Verdict::of_a_tube)?;
-        if !is_one && kept < friction + intruded {
+        if !is_one && law_margin < friction + intruded {
             break;
         }
         if extent.is_within(&guess) {
@@ -313,7 +314,7 @@ fn check_margins(margins: &Margins) -> Result<(), CertificateError> {
         ("margins.force", margins.force),
         ("margins.torque", margins.torque),
         ("margins.friction", margins.friction),
-        ("margins.kept", margins.kept),
+        ("margins.law_margin", margins.law_margin),
         ("margins.accuracy", margins.accuracy),
         ("margins.sample_period", margins.sample_period),
         ("margins.delay", margins.delay),

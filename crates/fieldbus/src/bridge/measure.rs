@@ -104,8 +104,8 @@ pub(super) struct CellMonitor {
     reading: Option<Reading>,
     /// A reading that could not be, N.
     absurd: Option<f64>,
-    /// What the motor was told when the reading last changed, N.
-    told: f64,
+    /// The tension commanded when the reading last changed, N.
+    commanded: f64,
     /// Cycles in which the reading should have changed.
     stuck: u32,
     /// Cycles in which it disagreed.
@@ -135,12 +135,12 @@ impl CellMonitor {
         self.disagreed == 0
     }
 
-    /// Once a cycle, with what the motor was told (N) in the cycle before. `cable` counts from 1.
-    pub fn update(&mut self, cable: usize, limits: &Limits, told: f64) -> Result<(), Fault> {
+    /// Once a cycle, with the tension commanded (N) in the cycle before. `cable` counts from 1.
+    pub fn update(&mut self, cable: usize, limits: &Limits, commanded: f64) -> Result<(), Fault> {
         match self.arrived.take() {
             Some(Ok(reading)) => {
                 if self.reading.is_none_or(|last| last.bits != reading.bits) {
-                    (self.told, self.stuck) = (told, 0);
+                    (self.commanded, self.stuck) = (commanded, 0);
                 }
                 (self.reading, self.absurd, self.missed) = (Some(reading), None, 0);
             }
@@ -149,8 +149,8 @@ impl CellMonitor {
             }
             Some(Err(ReadingError::Short)) | None => self.missed = self.missed.saturating_add(1),
         }
-        self.stuck = if (told - self.told).abs() > limits.stuck { self.stuck.saturating_add(1) } else { 0 };
-        let is_off = (self.tension() - told).abs() > limits.disagreement;
+        self.stuck = if (commanded - self.commanded).abs() > limits.stuck { self.stuck.saturating_add(1) } else { 0 };
+        let is_off = (self.tension() - commanded).abs() > limits.disagreement;
         self.disagreed = if is_off { self.disagreed.saturating_add(1) } else { 0 };
         match self.absurd {
             Some(tension) if self.missed > limits.lost_cycles => {
@@ -163,11 +163,11 @@ impl CellMonitor {
     }
 
     /// A fault if it disagreed for longer than `cycles`.
-    pub fn disagreement(&self, cable: usize, told: f64, cycles: u32) -> Result<(), Fault> {
+    pub fn disagreement(&self, cable: usize, commanded: f64, cycles: u32) -> Result<(), Fault> {
         if self.disagreed <= cycles {
             return Ok(());
         }
-        Err(Fault::LoadCellDisagrees { cable, measured: self.tension(), commanded: told })
+        Err(Fault::LoadCellDisagrees { cable, measured: self.tension(), commanded: commanded })
     }
 }
 
@@ -253,19 +253,19 @@ mod tests {
         Ok(Reading { bits: (tension as f32).to_bits(), tension })
     }
 
-    /// The first fault when the cell says what `says` says in each cycle while the motor is told `told`.
+    /// The first fault when the cell says what `says` says in each cycle while `commanded` is commanded.
     fn cell_fault(
         says: impl Fn(u32) -> Option<Result<Reading, ReadingError>>,
-        told: impl Fn(u32) -> f64,
+        commanded: impl Fn(u32) -> f64,
     ) -> Option<(u32, Fault)> {
         let (_, limits) = setup();
         let mut cell = CellMonitor::default();
-        cell.receive(good(told(0)));
+        cell.receive(good(commanded(0)));
         (0..200).find_map(|k| {
             if let Some(reading) = says(k) {
                 cell.receive(reading);
             }
-            let result = cell.update(2, &limits, told(k)).and_then(|()| cell.disagreement(2, told(k), 25));
+            let result = cell.update(2, &limits, commanded(k)).and_then(|()| cell.disagreement(2, commanded(k), 25));
             Some((k, result.err()?))
         })
     }

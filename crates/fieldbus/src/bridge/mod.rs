@@ -125,15 +125,15 @@ pub struct Bridge {
     /// The last pose that was plausible.
     pose: Pose,
     goal: Pose,
-    /// What the motors were told last, N.
-    told: PerCable<f64>,
+    /// The tensions commanded last, N.
+    commanded: PerCable<f64>,
     /// The last tensions of the controller that passed every check, N.
     certified: PerCable<f64>,
     answer: Option<ControllerOutputs>,
     /// Found since the last cycle.
     pending: FaultList,
     /// Told since the last reset.
-    told_faults: FaultList,
+    reported_faults: FaultList,
     /// The first since the last reset.
     fault: Option<Fault>,
     has_spoken: bool,
@@ -176,12 +176,12 @@ impl Bridge {
             cells: vec![CellMonitor::default(); cables],
             pose: home,
             goal: home,
-            told: nothing,
+            commanded: nothing,
             still_since: vec![nothing; cables],
             certified: nothing,
             answer: None,
             pending: FaultList::default(),
-            told_faults: FaultList::default(),
+            reported_faults: FaultList::default(),
             fault: None,
             has_spoken: false,
             is_running: false,
@@ -427,7 +427,7 @@ impl Bridge {
             length: self.lengths(),
             pose: self.pose,
             measured: self.measured(),
-            tension: self.told,
+            tension: self.commanded,
             target_torque,
             drive: PerCable::from_fn(self.cables(), |i| self.drives[i].state),
             missed: PerCable::from_fn(self.cables(), |i| {

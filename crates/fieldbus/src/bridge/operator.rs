@@ -97,15 +97,15 @@ impl Bridge {
 
     fn enable(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
         for i in 0..self.cables() {
-            let now = self.cells[i].disagreement(i + 1, self.told[i], 0);
+            let now = self.cells[i].disagreement(i + 1, self.commanded[i], 0);
             now.map_err(Refusal::NotYet)?;
         }
         self.is_released = false;
-        self.certified = self.told;
+        self.certified = self.commanded;
         let at = self.pose.position();
         self.goal = Pose::at(at.x, at.y, at.z);
         let lifted = self.gravity_hold();
-        self.enter(Mode::Enabled { since: now, from: self.told, lifted, confirmed: now });
+        self.enter(Mode::Enabled { since: now, from: self.commanded, lifted, confirmed: now });
         Ok(())
     }
 
@@ -114,7 +114,7 @@ impl Bridge {
         self.is_running = false;
         self.is_resetting_drives = true;
         self.is_released = true;
-        (self.pending, self.told_faults, self.fault) = Default::default();
+        (self.pending, self.reported_faults, self.fault) = Default::default();
         self.drives.fill(DriveMonitor::default());
         self.cells.fill(CellMonitor::default());
         let since = self.time;
@@ -192,7 +192,7 @@ impl Bridge {
         self.events.push(self.time, Event::Stopped(cause));
         let is_fault = matches!(cause, Cause::Fault(_));
         let to = self.safe_pull();
-        self.enter(Mode::Stopping { since: self.time, from: self.told, to, is_fault });
+        self.enter(Mode::Stopping { since: self.time, from: self.commanded, to, is_fault });
     }
 
     fn safe_pull(&self) -> SafePull {
@@ -216,7 +216,7 @@ impl Bridge {
         if matches!(self.mode, Mode::Fault(None) | Mode::Off) {
             return;
         }
-        if self.told_faults.insert(fault) {
+        if self.reported_faults.insert(fault) {
             self.events.push(self.time, Event::Fault(fault));
         }
         self.fault.get_or_insert(fault);

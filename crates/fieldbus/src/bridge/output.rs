@@ -60,7 +60,7 @@ impl Bridge {
         if elapsed >= ramp { 1.0 } else { elapsed as f64 / ramp as f64 }
     }
 
-    /// Torques, SYNC and heartbeat of this cycle. Says what torques the drives are told, ‰.
+    /// Torques, SYNC and heartbeat of this cycle. Says which torques are commanded, ‰.
     pub(super) fn send(&mut self, out: &mut FrameQueue) -> PerCable<i16> {
         let (tension, demand) = self.command();
         for drive in &mut self.drives {
@@ -70,7 +70,7 @@ impl Bridge {
             let tension = if self.drives[i].has_left { 0.0 } else { tension[i] };
             self.config.drives[i].winch.target_torque(tension)
         });
-        self.told = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
+        self.commanded = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
         if !self.has_spoken {
             return torque;
         }
@@ -98,8 +98,8 @@ impl Bridge {
     }
 
     /// One control word for the drives that share a frame: upwards the one that the last of them needs, else the one that acts.
-    /// A drive in Fault neither holds the others back nor needs to be told. One that fell out to Switched on is led up again by the word
-    /// that keeps the others enabled, since CiA 402 has no other; that is why it is told no torque.
+    /// A drive in Fault neither holds the others back nor needs a command. One that fell out to Switched on is led up again by the word
+    /// that keeps the others enabled, since CiA 402 has no other; that is why no torque is commanded.
     fn control_word(&self, slots: &[Option<usize>; 3], demand: Demand) -> u16 {
         let states = || slots.iter().flatten().filter_map(|i| self.drives[*i].state);
         match demand {

@@ -51,7 +51,7 @@ impl Bridge {
         if calm > self.config.cycles(self.config.limits.disagreement_time) {
             self.end_slack_step(since, step.number);
         } else if let (Some(i), true) = (disagreeing, settling > self.config.slack.ramp) {
-            let (measured, commanded) = (self.cells[i].tension(), self.told[i]);
+            let (measured, commanded) = (self.cells[i].tension(), self.commanded[i]);
             self.fail(Fault::LoadCellDisagrees { cable: i + 1, measured, commanded });
         }
     }

@@ -164,7 +164,7 @@ pub struct CycleReport {
     pub pose: Pose,
     /// Load cells, N.
     pub measured: PerCable<f64>,
-    /// What the motors are told from now on, N.
+    /// The tensions commanded from now on, N.
     pub tension: PerCable<f64>,
     /// The same as it is sent, ‰ of the rated torques.
     pub target_torque: PerCable<i16>,

@@ -9,7 +9,7 @@ use cable_robot::sim::ControllerModel;
 impl Bridge {
     /// Encoders and load cells of this cycle.
     pub(super) fn measure(&mut self) {
-        let (mut limits, time, told) = (self.config.limits, self.time, self.told);
+        let (mut limits, time, commanded) = (self.config.limits, self.time, self.commanded);
         let patience = self.config.cycles(limits.disagreement_time);
         // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
         let has_torque = self.is_pulling();
@@ -21,9 +21,9 @@ impl Bridge {
         for i in 0..self.cables() {
             let winch = &self.config.drives[i].winch;
             let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
-            let mut cell = self.cells[i].update(i + 1, &limits, told[i]);
+            let mut cell = self.cells[i].update(i + 1, &limits, commanded[i]);
             if is_compared {
-                cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, told[i], patience));
+                cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, commanded[i], patience));
             }
             if has_torque {
                 self.expect(encoder);
@@ -118,7 +118,7 @@ impl Bridge {
             cable_length: self.lengths(),
             // A shadow moves nothing: against load cells that answer another's tensions its force loop would wind up.
             measured_tension: match self.mode {
-                Mode::Shadow { .. } => self.told,
+                Mode::Shadow { .. } => self.commanded,
                 _ => self.measured(),
             },
             goal_pose: if enable { self.goal } else { self.pose },
