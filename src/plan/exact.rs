@@ -34,6 +34,10 @@ impl Planner {
         if now.set_point == goal || !self.rig().can_be_at(goal) {
             return None;
         }
+        let goal = &self.within_speed(now, goal);
+        if now.set_point == goal {
+            return None;
+        }
         // Where less is left at rest, no more is asked for.
         let wanted = self.allowance() + self.unknown_on_the_way(now.pose, now.set_point);
         let spare = wanted.min(LEFT * self.known_margin_at(now.set_point)).max(0.0);

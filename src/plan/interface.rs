@@ -142,6 +142,15 @@ pub struct ControllerParameters {
     /// Largest force on the platform that is not known, N; the largest torque is that force at the platform's radius. Friction counts as one.
     #[serde(default)]
     pub disturbance_bound: f64,
+    /// Greatest speed of the platform's centre of mass on the way to any set point, m/s; 0 for no limit.
+    #[serde(default)]
+    pub max_speed: f64,
+    /// Greatest angular velocity of the platform, rad/s; 0 for no limit.
+    #[serde(default)]
+    pub max_angular_rate: f64,
+    /// Greatest speed of a cable, m/s; 0 for no limit.
+    #[serde(default)]
+    pub max_cable_speed: f64,
 }
 
 fn hold_compensation() -> bool {
@@ -216,6 +225,9 @@ impl Default for ControllerParameters {
             mass_tolerance: 0.0,
             encoder_resolution: 0.0,
             disturbance_bound: 0.0,
+            max_speed: 0.0,
+            max_angular_rate: 0.0,
+            max_cable_speed: 0.0,
         }
     }
 }
@@ -314,9 +326,13 @@ impl ControllerParameters {
         )?;
         let share = self.mass_tolerance;
         require((0.0..1.0).contains(&share), "massTolerance", share, "must be 0 or greater and below 1")?;
-        for (name, value) in
-            [("encoderResolution", self.encoder_resolution), ("disturbanceBound", self.disturbance_bound)]
-        {
+        for (name, value) in [
+            ("encoderResolution", self.encoder_resolution),
+            ("disturbanceBound", self.disturbance_bound),
+            ("maxSpeed", self.max_speed),
+            ("maxAngularRate", self.max_angular_rate),
+            ("maxCableSpeed", self.max_cable_speed),
+        ] {
             require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
         }
         let bound = self.observer_bound;

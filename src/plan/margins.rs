@@ -74,12 +74,22 @@ impl ControllerParameters {
         })
     }
 
-    /// `Bounded` leaves nothing for what is not known.
+    /// `Bounded` leaves nothing for what is not known, and limits no speed.
     pub(super) fn check_planner(&self) -> Result<(), ParameterError> {
-        let Some((name, value)) = self.is_uncertain().filter(|_| self.planner == PlannerKind::Bounded) else {
+        let of_exact = [
+            ("accuracy", self.rig.accuracy),
+            ("massTolerance", self.mass_tolerance),
+            ("encoderResolution", self.encoder_resolution),
+            ("disturbanceBound", self.disturbance_bound),
+            ("maxSpeed", self.max_speed),
+            ("maxAngularRate", self.max_angular_rate),
+            ("maxCableSpeed", self.max_cable_speed),
+        ];
+        let is_bounded = self.planner == PlannerKind::Bounded;
+        let Some((name, value)) = of_exact.into_iter().find(|(_, value)| is_bounded && *value > 0.0) else {
             return Ok(());
         };
-        let allowed = "must be 0 with the planner Bounded, which leaves nothing for it: choose Exact (2)";
+        let allowed = "must be 0 with the planner Bounded, which does not heed it: choose Exact (2)";
         Err(ParameterError { name: name.into(), value, allowed: allowed.into() })
     }
 

@@ -17,6 +17,7 @@ pub mod planner;
 pub mod prediction;
 #[cfg(feature = "clarabel")]
 pub mod sequence;
+mod speed;
 mod stop;
 mod tangents;
 

@@ -122,6 +122,9 @@ impl ScenarioFile {
             mass_tolerance: or(&given.mass_tolerance, base.mass_tolerance),
             encoder_resolution: or(&given.encoder_resolution, base.encoder_resolution),
             disturbance_bound: or(&given.disturbance_bound, base.disturbance_bound),
+            max_speed: or(&given.max_speed, base.max_speed),
+            max_angular_rate: or(&given.max_angular_rate, base.max_angular_rate),
+            max_cable_speed: or(&given.max_cable_speed, base.max_cable_speed),
             ..base
         }
     }
@@ -258,6 +261,9 @@ impl ScenarioFile {
             "observerBound" => ("controller.observer_bound", start_of(&controller.observer_bound)),
             "massTolerance" => ("controller.mass_tolerance", start_of(&controller.mass_tolerance)),
             "disturbanceBound" => ("controller.disturbance_bound", start_of(&controller.disturbance_bound)),
+            "maxSpeed" => ("controller.max_speed", start_of(&controller.max_speed)),
+            "maxAngularRate" => ("controller.max_angular_rate", start_of(&controller.max_angular_rate)),
+            "maxCableSpeed" => ("controller.max_cable_speed", start_of(&controller.max_cable_speed)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),
             "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),

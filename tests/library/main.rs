@@ -18,4 +18,5 @@ mod paper_manoeuvre;
 mod properties;
 mod random_rigs;
 mod recognised_rigs;
+mod speeds;
 mod stops;

@@ -7,6 +7,7 @@ use cable_robot::sim::{ControllerModel, ModelError};
 use cable_robot_fieldbus::Config;
 use cable_robot_fieldbus::config::Parameter;
 use cable_robot_fmi::models::controller;
+use cable_robot_fmi::values::Values;
 use cable_robot_fmi::variables::{Causality as Role, Kind};
 use cable_robot_fmi::{Interface, Model};
 use cable_robot_import::{LogMessage, Status};
@@ -45,22 +46,13 @@ impl FmuController {
             fmu.set_parameters(|interface, values| {
                 let (lambda, eta) = (rig.lambda, rig.eta);
                 let own = controller::controller_parameters(interface, values);
-                // From an encoder's sample to the torque that answers it is one period, for which it then holds.
-                let command_delay = config.period as f64 * 1e-9;
-                let base = ControllerParameters {
-                    rig: rig.rig,
-                    lambda,
-                    eta,
-                    hold_compensation: true,
-                    command_delay,
-                    ..own
-                };
+                let base = ControllerParameters { rig: rig.rig, lambda, eta, ..own };
+                // The planner may be among what the fieldbus file says.
                 controller::write_parameters(interface, &base, values);
-                for (name, parameter) in &config.controller.parameters {
-                    let (reference, number) = parameter_value(interface, name, parameter)?;
-                    values.put(reference, number);
-                }
-                Ok(())
+                write_given(config, interface, values)?;
+                let planned = controller::controller_parameters(interface, values);
+                controller::write_parameters(interface, &config.of_drives(planned), values);
+                write_given(config, interface, values)
             })?;
             ControllerModel::start(fmu, &at_rest(config))
                 .and_then(|_| fmu.begin())
@@ -110,6 +102,15 @@ impl ControllerModel for FmuController {
         (self.time, self.inputs) = (time, *inputs);
         Ok(outputs)
     }
+}
+
+/// What the fieldbus file says of the controller.
+fn write_given(config: &Config, interface: &Interface, values: &mut Values) -> Result<()> {
+    for (name, parameter) in &config.controller.parameters {
+        let (reference, number) = parameter_value(interface, name, parameter)?;
+        values.put(reference, number);
+    }
+    Ok(())
 }
 
 /// The rig with its stand for a home.

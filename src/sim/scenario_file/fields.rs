@@ -143,6 +143,15 @@ pub struct Controller {
     /// room for it.
     #[schemars(with = "f64", default, extend("minimum" = 0))]
     pub disturbance_bound: Option<Spanned<f64>>,
+    /// Greatest speed of the centre of mass, m/s: 0 (no limit) or greater; 0 if left out. `exact` heeds it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub max_speed: Option<Spanned<f64>>,
+    /// Greatest angular velocity of the platform, rad/s: 0 (no limit) or greater; 0 if left out. `exact` heeds it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub max_angular_rate: Option<Spanned<f64>>,
+    /// Greatest speed of a cable, m/s: 0 (no limit) or greater; 0 if left out. `exact` heeds it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub max_cable_speed: Option<Spanned<f64>>,
 }
 
 fn planner<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PlannerKind>, D::Error> {

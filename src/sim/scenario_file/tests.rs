@@ -49,6 +49,9 @@ observer_bound = 0.2
 mass_tolerance = 0.03
 encoder_resolution = 0.0001
 disturbance_bound = 0.5
+max_speed = 0.3
+max_angular_rate = 0.4
+max_cable_speed = 0.6
 "#;
 
 fn scenario(text: &str) -> Result<Scenario, ScenarioFileError> {
@@ -83,6 +86,9 @@ fn every_field_is_read() {
         mass_tolerance: 0.03,
         encoder_resolution: 0.0001,
         disturbance_bound: 0.5,
+        max_speed: 0.3,
+        max_angular_rate: 0.4,
+        max_cable_speed: 0.6,
         ..ControllerParameters::default()
     };
     let plant = PlantParameters {
@@ -235,6 +241,14 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
             "disturbance_bound",
             "controller.disturbance_bound = -1",
         ),
+        ("max_speed = 0.3", "max_speed = -1", "max_speed", "controller.max_speed = -1"),
+        (
+            "max_angular_rate = 0.4",
+            "max_angular_rate = nan",
+            "max_angular_rate",
+            "controller.max_angular_rate",
+        ),
+        ("max_cable_speed = 0.6", "max_cable_speed = inf", "max_cable_speed", "controller.max_cable_speed"),
         ("max_tension = 50.0", "max_tension = 0.5", "max_tension", "controller.max_tension = 0.5"),
     ] {
         let error = refusal(from, to);

@@ -149,7 +149,8 @@ impl CellMonitor {
             }
             Some(Err(ReadingError::Short)) | None => self.missed = self.missed.saturating_add(1),
         }
-        self.stuck = if (commanded - self.commanded).abs() > limits.stuck { self.stuck.saturating_add(1) } else { 0 };
+        self.stuck =
+            if (commanded - self.commanded).abs() > limits.stuck { self.stuck.saturating_add(1) } else { 0 };
         let is_off = (self.tension() - commanded).abs() > limits.disagreement;
         self.disagreed = if is_off { self.disagreed.saturating_add(1) } else { 0 };
         match self.absurd {
@@ -167,7 +168,7 @@ impl CellMonitor {
         if self.disagreed <= cycles {
             return Ok(());
         }
-        Err(Fault::LoadCellDisagrees { cable, measured: self.tension(), commanded: commanded })
+        Err(Fault::LoadCellDisagrees { cable, measured: self.tension(), commanded })
     }
 }
 
@@ -265,7 +266,8 @@ mod tests {
             if let Some(reading) = says(k) {
                 cell.receive(reading);
             }
-            let result = cell.update(2, &limits, commanded(k)).and_then(|()| cell.disagreement(2, commanded(k), 25));
+            let result =
+                cell.update(2, &limits, commanded(k)).and_then(|()| cell.disagreement(2, commanded(k), 25));
             Some((k, result.err()?))
         })
     }

@@ -15,6 +15,7 @@ use super::canopen::{Node, Object, Value};
 use super::cia402::Winch;
 use super::load_cell::LoadCell;
 use cable_robot::checked_toml::Refused;
+use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{Pose, Rig, RigFile};
 
 /// Everything `can-bridge` knows of a rig.
@@ -260,6 +261,9 @@ pub fn rig_path(text: &str) -> Result<String, ConfigError> {
     Ok(toml::from_str::<Named>(text)?.rig)
 }
 
+/// How fast cables may become, as a share of the speed that counts as a mistake of an encoder.
+const SHARE_OF_CABLE_SPEED: f64 = 0.8;
+
 impl Config {
     /// Reads the text of a fieldbus file. `rig` is the rig file at its [`rig_path`].
     ///
@@ -267,6 +271,27 @@ impl Config {
     /// [`ConfigError`]: the line, the field, its value and what is allowed.
     pub fn parse(text: &str, rig: &RigFile) -> Result<Self, ConfigError> {
         file::parse(text, rig)
+    }
+
+    /// What the controller is to know of drives and encoders, besides the rig: with the planner `Exact` it leaves room for the resolution of the encoders, and keeps
+    /// cables below the speed that counts as a mistake of an encoder.
+    pub fn of_drives(&self, parameters: ControllerParameters) -> ControllerParameters {
+        let of_winches = self.drives.iter().map(|drive| drive.winch.metres_per_count());
+        let heeds = parameters.planner != PlannerKind::Bounded;
+        let (encoder_resolution, max_cable_speed) = if heeds {
+            (of_winches.fold(0.0, f64::max), SHARE_OF_CABLE_SPEED * self.limits.cable_speed)
+        } else {
+            (0.0, 0.0)
+        };
+        // From an encoder's sample to the torque that answers it is one period, for which it then holds.
+        let command_delay = self.period as f64 * 1e-9;
+        ControllerParameters {
+            hold_compensation: true,
+            command_delay,
+            encoder_resolution,
+            max_cable_speed,
+            ..parameters
+        }
     }
 
     /// Cycles in a time, at least one.

@@ -154,13 +154,11 @@ impl Bench {
 }
 
 fn parameters(config: &Config) -> ControllerParameters {
-    ControllerParameters {
+    config.of_drives(ControllerParameters {
         lambda: config.controller.lambda,
         eta: config.controller.eta,
         pose_source: PoseSource::CableLengths,
         force_loop: true,
-        hold_compensation: true,
-        command_delay: config.period as f64 * 1e-9,
         ..ControllerParameters::of(&config.rig)
-    }
+    })
 }

@@ -58,6 +58,9 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         mass_tolerance: values.scalar(&MASS_TOLERANCE),
         encoder_resolution: values.scalar(&ENCODER_RESOLUTION),
         disturbance_bound: values.scalar(&DISTURBANCE_BOUND),
+        max_speed: values.scalar(&MAX_SPEED),
+        max_angular_rate: values.scalar(&MAX_ANGULAR_RATE),
+        max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
     }
 }
 
@@ -112,6 +115,9 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&MASS_TOLERANCE, [parameters.mass_tolerance]);
     values.write(&ENCODER_RESOLUTION, [parameters.encoder_resolution]);
     values.write(&DISTURBANCE_BOUND, [parameters.disturbance_bound]);
+    values.write(&MAX_SPEED, [parameters.max_speed]);
+    values.write(&MAX_ANGULAR_RATE, [parameters.max_angular_rate]);
+    values.write(&MAX_CABLE_SPEED, [parameters.max_cable_speed]);
 }
 
 /// Copies parameters into `values`. Those of the paper's interface take the paper's robot of the rig.

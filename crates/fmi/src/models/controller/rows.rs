@@ -7,7 +7,9 @@ use super::super::robot::{
     A, ANCHOR, ATTACHMENT, B, CABLE_MAX, CABLE_MIN, G, GRAVITY, I1, I2, I3, INERTIA, M, MASS, REST_LENGTH,
     REST_TENSION, TIME,
 };
-use crate::variables::units::{KILOGRAM, METRE, NEWTON, NEWTON_METRE, PER_SECOND, RADIAN, SECOND};
+use crate::variables::units::{
+    KILOGRAM, METRE, METRE_PER_SECOND, NEWTON, NEWTON_METRE, PER_SECOND, RADIAN, RADIAN_PER_SECOND, SECOND,
+};
 use crate::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
 
 pub const PLANNER_TYPE: Enumeration = Enumeration {
@@ -225,6 +227,36 @@ pub const DISTURBANCE_BOUND: Row = Row {
         "Largest force on the platform that is not known, the largest torque being that force at the platform's radius: the planner Exact leaves room for it",
     )
 };
+pub const MAX_SPEED: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        26,
+        "maxSpeed",
+        &METRE_PER_SECOND,
+        &[0.0],
+        "Greatest speed of the centre of mass on the way to any set point, 0 for no limit: the planner Exact heeds it",
+    )
+};
+pub const MAX_ANGULAR_RATE: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        27,
+        "maxAngularRate",
+        &RADIAN_PER_SECOND,
+        &[0.0],
+        "Greatest angular velocity of the platform, 0 for no limit: the planner Exact heeds it",
+    )
+};
+pub const MAX_CABLE_SPEED: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        28,
+        "maxCableSpeed",
+        &METRE_PER_SECOND,
+        &[0.0],
+        "Greatest speed of a cable, 0 for no limit: the planner Exact heeds it",
+    )
+};
 pub const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -440,6 +472,9 @@ pub const ROWS: &[&Row] = &[
     &MASS_TOLERANCE,
     &ENCODER_RESOLUTION,
     &DISTURBANCE_BOUND,
+    &MAX_SPEED,
+    &MAX_ANGULAR_RATE,
+    &MAX_CABLE_SPEED,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
