@@ -8,7 +8,7 @@ use crate::robot::dynamics::{accelerations_of, wrench_of};
 use crate::robot::{Coordinates, Pose, Rig};
 
 /// Decay of an estimation error, 1/s: far above the gains of the law, far below the sampling of a rig.
-const OBSERVER_POLE: f64 = 100.0;
+pub const OBSERVER_POLE: f64 = 100.0;
 
 /// How much the accelerations of the law jump, 1/s², for each unit by which a measured coordinate jumps: λη of the pose, (λ + η) of the rate,
 /// which jumps by q/e a second (q the pole), and of the disturbance by p q/e (p its pole).

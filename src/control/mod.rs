@@ -2,6 +2,7 @@
 
 pub mod active_set;
 pub mod commands;
+pub mod delay;
 pub mod distribution;
 pub mod estimator;
 pub mod force_loop;
@@ -13,6 +14,7 @@ pub mod sensitivity;
 pub mod tensions;
 
 pub use commands::Commands;
+pub use delay::DelayWatch;
 pub use estimator::{DisturbanceObserver, Estimator};
 pub use force_loop::ForceLoop;
 pub use gains::Gains;

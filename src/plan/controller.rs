@@ -10,7 +10,7 @@ use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use super::stop::Stop;
 use crate::control::estimator::SETTLING;
-use crate::control::{Commands, Estimator, ForceLoop, Response, lyapunov, static_tensions};
+use crate::control::{Commands, DelayWatch, Estimator, ForceLoop, Response, lyapunov, static_tensions};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, dynamics};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over, those of the pose and those of the rates: what encoders jump by
@@ -38,6 +38,7 @@ pub struct Controller {
     /// What the law imposes, and from when on; and what it imposed on average in the step just past.
     commands: Commands,
     acceleration: Coordinates,
+    delay: DelayWatch,
     force_loop: ForceLoop,
     prediction: Prediction,
     unreachable: bool,
@@ -88,6 +89,7 @@ impl Controller {
             estimator,
             commands: Commands::none(),
             acceleration: Coordinates::zeros(),
+            delay: DelayWatch::new(),
             force_loop: ForceLoop::new(&parameters.rig),
             prediction,
             unreachable: false,
@@ -138,6 +140,11 @@ impl Controller {
         &self.planner.parameters
     }
 
+    /// How much later than `commandDelay` commands act, s, once measurements have shown that; less than 0 if earlier.
+    pub fn late(&self) -> Option<f64> {
+        self.delay.late()
+    }
+
     /// The outputs of the last step.
     pub fn outputs(&self) -> &ControllerOutputs {
         &self.outputs
@@ -182,7 +189,12 @@ impl Controller {
         let is_known = was == Mode::Active && self.mode == Mode::Active;
         let observer = self.planner.parameters.observer().filter(|_| is_known);
         let observer = observer.as_ref().map(|observer| (self.planner.rig(), observer));
+        let expected = self.estimator.rates + self.acceleration * dt;
         self.estimator.update(measured, &self.acceleration, dt, observer);
+        if is_known && dt > 0.0 {
+            let correction = (self.estimator.rates - expected) / dt;
+            self.delay.update(&self.acceleration, &correction, dt, self.planner.rig().platform_radius());
+        }
         self.planner.parameters.rig.disturbance = self.estimator.disturbance;
     }
 
@@ -248,6 +260,7 @@ impl Controller {
         self.aimed_for = None;
         self.outputs.goal_distance = 0.0;
         self.search = None;
+        self.delay = DelayWatch::new();
         self.force_loop = ForceLoop::new(self.planner.rig());
         self.commands = Commands::none();
         self.acceleration = Coordinates::zeros();

@@ -7,6 +7,7 @@ mod certificate;
 #[cfg(feature = "clarabel")]
 mod certificate_of_many_cables;
 mod controller_behaviour;
+mod delays;
 mod disturbances;
 mod exact_planner;
 mod exact_planner_held;

@@ -108,6 +108,10 @@ impl Instance {
         if let Some(new) = running.fault().filter(|new| Some(new.check) != fault) {
             self.warn_of(new, point);
         }
+        let was_known = self.now.running.as_ref().is_some_and(|before| before.late().is_some());
+        if let Some(late) = running.late().filter(|_| !was_known) {
+            self.warn_of_delay(late, point);
+        }
         self.now.running = Some(running);
         self.now.set_time(point + h);
         if let Some(before) = before {
@@ -263,6 +267,17 @@ impl Instance {
         if self.log.is_enabled(Category::Warning) {
             let text = format!("SensorFault at t = {time} s: {fault}");
             self.log.send(Status::Ok, Category::Warning, &text);
+        }
+    }
+
+    fn warn_of_delay(&self, [late, said]: [f64; 2], time: f64) {
+        if self.log.is_enabled(Category::Warning) {
+            let (size, when) = (late.abs(), if late > 0.0 { "later" } else { "earlier" });
+            let right = (said + late).max(0.0);
+            let text = format!(
+                "at t = {time} s: commands act about {size:.4} s {when} than commandDelay = {said} s says; with {right:.4} s holdCompensation would make up for it"
+            );
+            self.log.send(Status::Warning, Category::Warning, &text);
         }
     }
 

@@ -2,6 +2,8 @@
 
 use std::ptr::{null, null_mut};
 
+use cable_robot::robot::PerCable;
+use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use cable_robot_fmi::abi::{fmi2::*, fmi3::*};
 use cable_robot_fmi::{MODELS, Model};
 
@@ -134,4 +136,39 @@ fn a_fault_names_its_check_and_its_value() {
         assert!(text.contains("SensorFault at t = 0.001 s: encoderPose is 0.3000 m from where"), "{text}");
         assert!(text.contains("check PositionJump"), "{text}");
     }
+}
+
+/// A master that lets both step at once, or a motor that lags, cost what `holdCompensation` would have made up for, and nothing said so.
+#[test]
+fn commands_that_act_later_than_was_said_are_named_once() {
+    for fmi in BOTH {
+        for (is_late, said) in
+            [(true, "commands act about 0.0010 s later than commandDelay = 0 s says"), (false, "")]
+        {
+            let slave = Slave::logging(fmi, Model::Controller, true);
+            assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
+            slave.set_reals(&[118, 119], &[0.1, 0.05]);
+            let mut pull = PlantInputs::none(6);
+            pull.motor_tension = tensions(&slave);
+            let mut plant = Plant::new(PlantParameters::default(), &pull).unwrap();
+            for k in 0..1000 {
+                let pose = plant.outputs().encoder_pose;
+                slave.set_reals(&[100, 101, 102, 103, 104, 105], pose.0.as_slice());
+                let before = tensions(&slave);
+                assert_eq!(slave.step(1e-3 * f64::from(k), 1e-3), OK);
+                let now = tensions(&slave);
+                pull.motor_tension = if is_late { before } else { now };
+                plant.step(&pull, 1e-3).unwrap();
+            }
+            let messages = slave.take_messages();
+            let found = messages.iter().filter(|(_, _, text)| text.contains("commandDelay"));
+            let found: Vec<_> = found.map(|(_, _, text)| text).collect();
+            assert_eq!(found.len(), usize::from(is_late), "{messages:?}");
+            assert!(found.iter().all(|text| text.contains(said)), "{found:?}");
+        }
+    }
+}
+
+fn tensions(slave: &Slave) -> PerCable<f64> {
+    PerCable::from_slice(&slave.get_reals(&[200, 201, 202, 203, 204, 205]).1).unwrap()
 }

@@ -82,6 +82,13 @@ impl Running {
         }
     }
 
+    /// What the controller has found of when its commands act, if that is not as its parameters say: by how much later (s; less than 0: earlier) and
+    /// what was said.
+    pub fn late(&self) -> Option<[f64; 2]> {
+        let Running::Controller(controller) = self else { return None };
+        Some([controller.late()?, controller.parameters().command_delay])
+    }
+
     /// Copies the outputs into `values`.
     pub fn write_outputs(&self, values: &mut Values) {
         match self {
