@@ -4,12 +4,14 @@ use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{Coordinates, Pose};
 use cable_robot::sim::{ClosedLoop, PlantParameters};
 
+type Imperfect = fn(&mut PlantParameters);
+
 /// How much later than was said commands act, s, found within 6 s of two goals.
 fn found(
     (planner, gain, step): (PlannerKind, f64, f64),
     is_late: bool,
     said: f64,
-    imperfect: fn(&mut PlantParameters),
+    imperfect: Imperfect,
 ) -> Option<f64> {
     let parameters =
         ControllerParameters { planner, lambda: gain, eta: gain, command_delay: said, ..Default::default() };
@@ -60,7 +62,7 @@ fn motors_that_lag_are_found() {
 
 #[test]
 fn nothing_else_is_taken_for_a_delay() {
-    let imperfections: [(&str, fn(&mut PlantParameters)); 7] = [
+    let imperfections: [(&str, Imperfect); 7] = [
         ("nothing", |_| ()),
         ("5 % more mass", |plant| plant.rig.mass *= 1.05),
         ("30 % more inertia", |plant| plant.rig.inertia *= 1.3),
