@@ -19,6 +19,9 @@ const SPARE_HELD: f64 = 0.5;
 /// The same with `hold_compensation`, for each unit of (λ₀ + η₀)² times the step and the step and delay together.
 const SPARE_COMPENSATED: f64 = 0.25;
 
+/// Grids of (17) that are tried: with eight bisections the third is 17 million times finer than the way.
+const FINER_GRIDS: usize = 3;
+
 /// What a robot that rests with less than the allowance may keep of it, as a part of what is left.
 const LEFT: f64 = 0.9;
 
@@ -64,14 +67,21 @@ impl Planner {
         Some(set_point)
     }
 
-    /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates.
+    /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates. Where the first of the grid's points is too
+    /// far, on the way to that one, and so on.
     fn proved(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
-        let way = Way { from: now.set_point, goal };
         let mut spans = MOST_SPANS;
-        let beta = smallest_admissible(self.parameters.bisection_steps, |beta| {
-            self.is_proved(now, &way.at(beta), spare, &mut spans)
-        });
-        (beta < 1.0).then(|| way.at(beta))
+        let (steps, mut goal) = (self.parameters.bisection_steps, *goal);
+        for _ in 0..FINER_GRIDS {
+            let way = Way { from: now.set_point, goal: &goal };
+            let beta =
+                smallest_admissible(steps, |beta| self.is_proved(now, &way.at(beta), spare, &mut spans));
+            if beta < 1.0 {
+                return Some(way.at(beta));
+            }
+            goal = way.at(1.0 - 0.5f64.powi(steps));
+        }
+        None
     }
 
     /// Whether the certificate proves the step to `set_point` with `least` (N) to spare, and with what holding the commands may cost.
@@ -158,6 +168,22 @@ mod tests {
             (first.0[5] / 1.2 * 256.0).round(),
             "not on the grid of Eq. (17)"
         );
+    }
+
+    /// 3 m down at gains of 30, a step of more than 11 mm asks for more than gravity gives: that is less than the 256th part of the way, and the goal was
+    /// called unreachable.
+    #[test]
+    fn a_way_that_is_long_for_its_gains_is_gone_in_steps_finer_than_the_grid() {
+        let parameters = ControllerParameters {
+            planner: PlannerKind::Exact,
+            lambda: 30.0,
+            eta: 30.0,
+            ..Default::default()
+        };
+        let (start, goal) = (Pose::default(), Pose(Coordinates::new(0.0, 0.0, 4.0, 0.0, 0.0, 0.1)));
+        let next = Planner::from(parameters).next_from_rest(&start, &goal).unwrap();
+        let step = next.0[2] - 1.0;
+        assert!(step > 0.008 && step < 3.0 / 256.0, "{step}");
     }
 
     #[test]

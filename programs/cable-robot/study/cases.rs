@@ -1,7 +1,7 @@
 //! Random cases, a rig with a state and a set point, that a domain admits, and the tensions along their motion.
 
 use cable_robot::control::response::instants;
-use cable_robot::control::{Gains, Response, tensions};
+use cable_robot::control::{Gains, Response, static_margin, tensions};
 use cable_robot::reach::ExactDomain;
 use cable_robot::reach::certificate::{Step, Verdict, certify};
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
@@ -115,6 +115,43 @@ fn random_gains(rng: &mut Pcg64, range: std::ops::Range<f64>) -> Gains {
     let lambda = rng.random_range(range.clone());
     let eta = if rng.random_range(0..3) == 0 { lambda } else { rng.random_range(range) };
     Gains { lambda, eta }
+}
+
+/// The rigs of `study held` and `study liveness`, with their homes: half of them Table I's.
+pub fn random_rig_of_held(rng: &mut Pcg64) -> (Rig, Pose) {
+    if rng.random_bool(0.5) {
+        let limits = TensionLimits { min: 0.0, max: 100.0 };
+        return (Rig::paper(&RobotParameters::default(), limits), Pose::default());
+    }
+    loop {
+        let robot = random_robot(rng);
+        let weight = robot.m * robot.g;
+        let mut rig = Rig::paper(&robot, TensionLimits { min: 0.0, max: 5.0 * weight });
+        let disorder = rng.random_range(0.0..0.4);
+        for cable in rig.cables.iter_mut() {
+            for (end, size) in [(&mut cable.anchor, robot.a), (&mut cable.attachment, robot.b)] {
+                *end += Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * (disorder * size);
+            }
+        }
+        let moments = Vector3::from_fn(|_, _| rng.random_range(0.05..0.8)) * (robot.m * robot.b * robot.b);
+        rig.inertia = Matrix3::from_diagonal(&moments);
+        let home = Pose::at(0.0, 0.0, rng.random_range(1.0..3.5) * robot.a);
+        let is_a_body = moments.sum() > 2.0 * moments.max();
+        if is_a_body && rig.validate().is_ok() && static_margin(&rig, &home) > 0.03 * weight {
+            return (rig, home);
+        }
+    }
+}
+
+/// Their gains: a third of them equal.
+pub fn random_gains_of_held(rng: &mut Pcg64) -> Gains {
+    let lambda = log_uniform(rng, 0.3, 15.0);
+    let eta = if rng.random_range(0..3) == 0 { lambda } else { log_uniform(rng, 0.3, 15.0) };
+    Gains { lambda, eta }
+}
+
+pub fn log_uniform(rng: &mut Pcg64, least: f64, most: f64) -> f64 {
+    least * (most / least).powf(rng.random_range(0.0..1.0))
 }
 
 impl Case {

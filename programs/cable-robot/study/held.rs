@@ -1,18 +1,18 @@
 //! Commands that are held for a step and handed on late: random rigs, gains, steps and goals in closed loop, and where cables go slack.
 
 use anyhow::Result;
-use cable_robot::control::{Gains, static_margin};
+use cable_robot::control::static_margin;
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
-use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
+use cable_robot::robot::{Coordinates, Pose, Rig};
 use cable_robot::sim::{ClosedLoop, Moment, PlantParameters, SimulationError};
 use clap::Args;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::cases::random_robot;
+use super::cases::{log_uniform, random_gains_of_held, random_rig_of_held};
 use super::random_of;
 use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
@@ -127,8 +127,8 @@ impl Held {
     }
 
     fn draw(&self, rng: &mut Pcg64) -> Case {
-        let (rig, home) = random_rig(rng);
-        let (gains, step) = (random_gains(rng), log_uniform(rng, 0.25e-3, 20e-3));
+        let (rig, home) = random_rig_of_held(rng);
+        let (gains, step) = (random_gains_of_held(rng), log_uniform(rng, 0.25e-3, 20e-3));
         let is_late = rng.random_bool(0.5);
         let mut parameters = ControllerParameters::of(&rig);
         parameters.planner = PlannerKind::Exact;
@@ -294,43 +294,6 @@ impl Case {
         end.possible = status != Status::GoalUnreachable;
         Ok(end)
     }
-}
-
-/// Half of them Table I's.
-fn random_rig(rng: &mut Pcg64) -> (Rig, Pose) {
-    if rng.random_bool(0.5) {
-        let limits = TensionLimits { min: 0.0, max: 100.0 };
-        return (Rig::paper(&RobotParameters::default(), limits), Pose::default());
-    }
-    loop {
-        let robot = random_robot(rng);
-        let weight = robot.m * robot.g;
-        let mut rig = Rig::paper(&robot, TensionLimits { min: 0.0, max: 5.0 * weight });
-        let disorder = rng.random_range(0.0..0.4);
-        for cable in rig.cables.iter_mut() {
-            for (end, size) in [(&mut cable.anchor, robot.a), (&mut cable.attachment, robot.b)] {
-                *end += Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * (disorder * size);
-            }
-        }
-        let moments = Vector3::from_fn(|_, _| rng.random_range(0.05..0.8)) * (robot.m * robot.b * robot.b);
-        rig.inertia = Matrix3::from_diagonal(&moments);
-        let home = Pose::at(0.0, 0.0, rng.random_range(1.0..3.5) * robot.a);
-        let is_a_body = moments.sum() > 2.0 * moments.max();
-        if is_a_body && rig.validate().is_ok() && static_margin(&rig, &home) > 0.03 * weight {
-            return (rig, home);
-        }
-    }
-}
-
-/// A third of them equal.
-fn random_gains(rng: &mut Pcg64) -> Gains {
-    let lambda = log_uniform(rng, 0.3, 15.0);
-    let eta = if rng.random_range(0..3) == 0 { lambda } else { log_uniform(rng, 0.3, 15.0) };
-    Gains { lambda, eta }
-}
-
-fn log_uniform(rng: &mut Pcg64, least: f64, most: f64) -> f64 {
-    least * (most / least).powf(rng.random_range(0.0..1.0))
 }
 
 /// Level where the platform can rest, or turned, or anywhere: then it can mostly not be had.

@@ -2,6 +2,7 @@
 
 mod cases;
 mod held;
+mod liveness;
 mod margins;
 mod plant;
 mod rigs;
@@ -33,6 +34,9 @@ pub enum Study {
     /// Commands that are held and late: random rigs, gains, steps and goals in closed loop, and where cables go slack
     #[command(after_help = held::EXAMPLE)]
     Held(held::Held),
+    /// Goals that can be had, and whether they are reached
+    #[command(after_help = liveness::EXAMPLE)]
+    Liveness(liveness::Liveness),
     /// Every rig of a folder: workspace, planner, and goals through its packed FMUs
     #[command(after_help = rigs::EXAMPLE)]
     Rigs(rigs::Rigs),
@@ -48,6 +52,7 @@ impl Study {
             Study::Tightness(study) => study.run(),
             Study::Margins(study) => study.run(),
             Study::Held(study) => study.run(),
+            Study::Liveness(study) => study.run(),
             Study::Rigs(study) => study.run(),
             Study::Time(study) => study.run(),
         }

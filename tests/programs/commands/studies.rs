@@ -85,3 +85,19 @@ fn held_and_late_commands_slacken_no_cable() {
         assert!(count("runs") > 30 && count("reached") * 20 > count("goals") * 17, "{found}");
     }
 }
+
+/// A fiftieth of the goals on the page. Those that are not reached say so.
+#[test]
+fn every_goal_is_reached_the_straight_way_to_which_can_be_rested_at() {
+    let found = study(&["liveness", "--goals", "200"]);
+    let kinds: Vec<_> = found["kinds"].as_array().unwrap().iter().collect();
+    assert_eq!(kinds.len(), 4);
+    for kind in kinds.iter().filter(|kind| kind["way"] == "can be rested at") {
+        assert!(kind["count"].as_u64().unwrap() > 50 && kind["reached"] == kind["count"], "{found}");
+    }
+    let ended = |kind: &Value| kind["reached"].as_u64().unwrap() + kind["unreachable"].as_u64().unwrap();
+    assert!(
+        kinds.iter().all(|kind| kind["slack"] == 0 && Some(ended(kind)) == kind["count"].as_u64()),
+        "{found}"
+    );
+}
