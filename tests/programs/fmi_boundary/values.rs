@@ -3,9 +3,9 @@
 use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
-use cable_robot_fmi::Model;
 use cable_robot_fmi::abi::{fmi2::*, fmi2_unsupported::*, fmi3::*, fmi3_values::*};
-use cable_robot_fmi::variables::Causality;
+use cable_robot_fmi::variables::{ABOVE_ZERO, Causality, Kind};
+use cable_robot_fmi::{MODELS, Model};
 
 use crate::slave::{BOTH, DISCARD, ERROR, Fmi, OK, Slave, Three, Two};
 use crate::{all_pairs, in_state, picture, reals};
@@ -132,7 +132,7 @@ fn references_of_no_or_of_another_variable_are_refused() {
         (Two, |c| unsafe { fmi2GetInteger(c, &100, 1, &mut 0) }),
         (Two, |c| unsafe { fmi2GetReal(c, &228, 1, &mut 0.0) }),
         (Two, |c| unsafe { fmi2SetString(c, &100, 1, &null()) }),
-        (Three, |c| unsafe { fmi3GetInt32(c, &228, 1, &mut 0, 1) }),
+        (Three, |c| unsafe { fmi3GetInt32(c, &100, 1, &mut 0, 1) }),
         (Three, |c| unsafe { fmi3GetFloat32(c, &100, 1, &mut 0.0, 1) }),
         (Three, |c| unsafe { fmi3SetBinary(c, &100, 1, null(), null(), 0) }),
     ];
@@ -145,6 +145,9 @@ fn references_of_no_or_of_another_variable_are_refused() {
             slave.last_message()
         );
     }
+    // An enumeration as Int32, as fmpy reads it up to 0.3.23.
+    let (slave, mut status) = (Slave::running(Three, Model::Controller), 0);
+    assert_eq!((unsafe { fmi3GetInt32(slave.instance, &228, 1, &mut status, 1) }, status), (OK, 4));
     let slave = Slave::running(Three, Model::Plant);
     let (references, values) = ([100u32, 101], [1.0; 3]);
     assert_eq!(unsafe { fmi3SetFloat64(slave.instance, references.as_ptr(), 2, values.as_ptr(), 3) }, ERROR);
@@ -229,5 +232,41 @@ fn parameters_that_make_no_sense_are_named_and_can_be_mended() {
         assert_eq!(slave.set("m", 5.0), OK);
         assert_eq!(slave.get_reals(&[200]).0, OK);
         assert_eq!(slave.exit(), OK);
+    }
+}
+
+/// gemseo-fmu writes all parameters again before every step: that killed the instance.
+#[test]
+fn a_fixed_parameter_may_be_written_again_with_the_value_it_has() {
+    for fmi in BOTH {
+        let slave = Slave::logging(fmi, Model::Controller, true);
+        assert_eq!(slave.set("lambda", 4.0), OK);
+        assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
+        slave.take_messages();
+        for k in 0..3 {
+            assert_eq!(slave.set("lambda", 4.0) + slave.step(1e-3 * f64::from(k), 1e-3), OK);
+        }
+        let messages = slave.take_messages();
+        let said = messages.iter().filter(|(_, _, text)| text.contains("lambda was written again")).count();
+        assert_eq!(said, 1, "{messages:?}");
+        assert_eq!(slave.set("lambda", 5.0), ERROR);
+        assert!(slave.last_message().contains("fixed parameter"), "{}", slave.last_message());
+    }
+}
+
+/// 0 was within the range that the XML says, and refused.
+#[test]
+fn what_must_be_greater_than_zero_says_so() {
+    for model in MODELS {
+        let interface = model.interface();
+        for scalar in interface.scalars().filter(|scalar| scalar.row.causality == Causality::Parameter) {
+            let Some(min) = scalar.row.min.filter(|_| matches!(scalar.row.kind, Kind::Float64)) else {
+                continue;
+            };
+            let slave = Slave::new(Two, model);
+            assert_eq!(slave.set(&scalar.name(), 0.0), OK);
+            let is_refused = slave.enter(0.0, None) + slave.exit() != OK;
+            assert_eq!(is_refused, min == ABOVE_ZERO, "{} = 0: {}", scalar.name(), slave.last_message());
+        }
     }
 }

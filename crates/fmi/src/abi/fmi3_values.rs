@@ -13,8 +13,9 @@ fn is_float64(kind: Kind) -> bool {
     matches!(kind, Kind::Float64)
 }
 
+/// Enumerations too: fmpy reads them with this function up to 0.3.23, where the standard has fmi3GetInt64.
 fn is_int32(kind: Kind) -> bool {
-    matches!(kind, Kind::Int32)
+    matches!(kind, Kind::Int32 | Kind::Enumeration(_))
 }
 
 fn is_enumeration(kind: Kind) -> bool {

@@ -67,8 +67,8 @@ fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     }
     node(xml, "TypeDefinitions", &[], |xml| {
         kinds.iter().try_for_each(|kind| {
-            let attributes = [is("name", kind.name), is("description", kind.description)];
-            node(xml, "EnumerationType", &attributes, |xml| items(xml, kind))
+            // No description: fmpy 0.3.12 to 0.3.23 cannot read one here.
+            node(xml, "EnumerationType", &[is("name", kind.name)], |xml| items(xml, kind))
         })
     })
 }

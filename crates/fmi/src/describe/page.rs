@@ -5,7 +5,7 @@ use quick_xml::escape::escape;
 use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
 use crate::models::{Interface, Model, Scalar};
-use crate::variables::{Causality, Row};
+use crate::variables::{ABOVE_ZERO, Causality, Row};
 use cable_robot::robot::Rig;
 
 const STYLE: &str = include_str!("page.css");
@@ -100,6 +100,8 @@ fn table_row(interface: &Interface, version: Version, row: &'static Row) -> Stri
     });
     let span = runs.collect::<Vec<_>>().join(", ");
     let range = match (row.min, row.max) {
+        (Some(ABOVE_ZERO), Some(max)) => format!("above 0, to {max}"),
+        (Some(ABOVE_ZERO), None) => "above 0".to_owned(),
         (Some(min), Some(max)) => format!("{min} to {max}"),
         (Some(min), None) => format!("from {min}"),
         (None, Some(max)) => format!("up to {max}"),

@@ -7,7 +7,7 @@ use quick_xml::events::{BytesDecl, Event};
 
 use crate::log::CATEGORIES;
 use crate::models::{Interface, Scalar};
-use crate::variables::{Enumeration, Kind, Row, Unit};
+use crate::variables::{ABOVE_ZERO, Enumeration, Kind, Row, Unit};
 
 /// Where elements go.
 pub type Xml = Writer<Vec<u8>>;
@@ -142,7 +142,7 @@ pub fn kind_of(interface: &Interface, scalar: &Scalar) -> Vec<(&'static str, Opt
         ("declaredType", declared_type),
         ("unit", unit.map(|unit| unit.name.to_owned())),
         ("displayUnit", unit.and_then(|unit| unit.display).map(|(name, _)| name.to_owned())),
-        ("min", row.min.map(|min| min.to_string())),
+        ("min", row.min.map(|min| if min == ABOVE_ZERO { format!("{min:e}") } else { min.to_string() })),
         ("max", row.max.map(|max| max.to_string())),
         ("nominal", row.nominal.map(|nominal| nominal.to_string())),
         ("start", interface.start_of(scalar).map(|start| number(row, start))),

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::values::Values;
 use crate::variables::units::{KILOGRAM, KILOGRAM_METRE2, METRE, METRE_PER_SECOND2, NEWTON, SECOND};
-use crate::variables::{Causality, Row, Shape, output, parameter};
+use crate::variables::{ABOVE_ZERO, Causality, Row, Shape, output, parameter};
 use cable_robot::robot::{Rig, RobotParameters, TensionLimits};
 
 pub const TIME: Row = Row {
@@ -12,31 +12,32 @@ pub const TIME: Row = Row {
     ..output(0, "time", Shape::Scalar, Some(&SECOND), &[], "Simulation time")
 };
 pub const A: Row =
-    Row { min: Some(0.0), ..parameter(1, "a", &METRE, &[0.45], "Half the side of the base triangle") };
+    Row { min: Some(ABOVE_ZERO), ..parameter(1, "a", &METRE, &[0.45], "Half the side of the base triangle") };
 pub const B: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(2, "b", &METRE, &[0.25], "Half the side of the platform triangle, smaller than a")
 };
-pub const M: Row = Row { min: Some(0.0), ..parameter(3, "m", &KILOGRAM, &[6.0], "Mass of the platform") };
+pub const M: Row =
+    Row { min: Some(ABOVE_ZERO), ..parameter(3, "m", &KILOGRAM, &[6.0], "Mass of the platform") };
 pub const I1: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(4, "I1", &KILOGRAM_METRE2, &[0.018], "Moment of inertia about the platform's x axis")
 };
 pub const I2: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(5, "I2", &KILOGRAM_METRE2, &[0.018], "Moment of inertia about the platform's y axis")
 };
 pub const I3: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(6, "I3", &KILOGRAM_METRE2, &[0.075], "Moment of inertia about the platform's z axis")
 };
 pub const G: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(7, "g", &METRE_PER_SECOND2, &[9.81], "Gravitational acceleration, along +z (down)")
 };
 
 pub const MASS: Row =
-    Row { min: Some(0.0), ..parameter(300, "mass", &KILOGRAM, &[], "Mass of the platform") };
+    Row { min: Some(ABOVE_ZERO), ..parameter(300, "mass", &KILOGRAM, &[], "Mass of the platform") };
 pub const INERTIA: Row = Row {
     shape: Shape::Tensor,
     ..parameter(
@@ -81,7 +82,7 @@ pub const CABLE_MIN: Row = Row {
 pub const CABLE_MAX: Row = Row {
     shape: Shape::Cables,
     seventh: 446,
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     nominal: Some(10.0),
     ..parameter(
         440,

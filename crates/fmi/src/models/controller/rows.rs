@@ -10,7 +10,9 @@ use super::super::robot::{
 use crate::variables::units::{
     KILOGRAM, METRE, METRE_PER_SECOND, NEWTON, NEWTON_METRE, PER_SECOND, RADIAN, RADIAN_PER_SECOND, SECOND,
 };
-use crate::variables::{Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting};
+use crate::variables::{
+    ABOVE_ZERO, Enumeration, Kind, Row, Shape, Variability, input, output, parameter, setting,
+};
 
 pub const PLANNER_TYPE: Enumeration = Enumeration {
     name: "Planner",
@@ -84,17 +86,17 @@ pub const FAULT_TYPE: Enumeration = Enumeration {
 };
 
 pub const LAMBDA: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     max: Some(1000.0),
     ..parameter(8, "lambda", &PER_SECOND, &[3.0], "Gain lambda of Eq. (2), Table II")
 };
 pub const ETA: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     max: Some(1000.0),
     ..parameter(9, "eta", &PER_SECOND, &[3.0], "Gain eta of Eq. (4), Table II")
 };
 pub const PLANNER_PERIOD: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     ..parameter(10, "plannerPeriod", &SECOND, &[0.05], "Time T_s between two decisions of the planner")
 };
 pub const BISECTION_STEPS: Row = Row {
@@ -114,7 +116,7 @@ pub const MIN_TENSION: Row = Row {
     ..parameter(12, "minTension", &NEWTON, &[0.0], "Least tension that is ever commanded")
 };
 pub const MAX_TENSION: Row = Row {
-    min: Some(0.0),
+    min: Some(ABOVE_ZERO),
     nominal: Some(10.0),
     ..parameter(13, "maxTension", &NEWTON, &[100.0], "Greatest tension that is ever commanded")
 };
