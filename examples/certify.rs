@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for set_point in [Pose::at(0.06, 0.03, 1.0), Pose::at(0.3, 0.3, 1.0)] {
             let step = Step { start: home, rates, set_point, gains };
             let said = match certify(&rig, &step)? {
-                Verdict::Admissible { least, greatest } => {
+                Verdict::Admissible { least, greatest, .. } => {
                     format!("proved: tensions from {least:.2} to {greatest:.2} N")
                 }
                 other => format!("{other:?}"),

@@ -17,7 +17,7 @@ CONTROLLER = {
     + ["estimatedMass"],
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
     "forceLoop positionTolerance angleTolerance holdCompensation commandDelay observerBound accuracy "
-    "massTolerance encoderResolution disturbanceBound maxSpeed maxAngularRate maxCableSpeed".split(),
+    "massTolerance encoderResolution disturbanceBound maxSpeed maxAngularRate maxCableSpeed largestStep".split(),
 }
 PLANT = {
     "input": cable_names("motorTension") + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"],

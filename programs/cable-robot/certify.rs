@@ -95,10 +95,10 @@ impl Certify {
 
     fn show(&self, verdict: &Verdict, is_any_distribution: bool) -> Result<()> {
         print(&match verdict {
-            Verdict::Admissible { least, greatest } if is_any_distribution => {
+            Verdict::Admissible { least, greatest, .. } if is_any_distribution => {
                 format!("admissible: at all times there are tensions between {least:.3} and {greatest:.3} N")
             }
-            Verdict::Admissible { least, greatest } => {
+            Verdict::Admissible { least, greatest, .. } => {
                 format!("admissible: every tension stays between {least:.3} and {greatest:.3} N")
             }
             Verdict::NotAdmissible { cable, time, tension } => {
@@ -126,7 +126,7 @@ impl Certify {
 
     fn show_json(&self, verdict: &Verdict) -> Result<()> {
         print_json(&match verdict {
-            Verdict::Admissible { least, greatest } => {
+            Verdict::Admissible { least, greatest, .. } => {
                 json!({"verdict": "admissible", "least": least, "greatest": greatest})
             }
             Verdict::NotAdmissible { cable, time, tension } => {

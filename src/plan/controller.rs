@@ -329,7 +329,7 @@ impl Controller {
             rates,
             set_point: &self.outputs.set_point,
             // A step that is shorter than the others tells nothing of those to come.
-            hold: self.hold[0].max(self.hold[1]),
+            hold: self.hold[0].max(self.hold[1]).max(self.planner.parameters.largest_step),
             rest: self.planner.rest,
         }
     }

@@ -12,15 +12,15 @@ use crate::robot::{Pose, TensionLimits};
 
 /// Tension that is left unused beside the limits, as a part of the weight: 0.1 N with Table I.
 const SPARE: f64 = 0.0017;
-/// The same for what holding the tensions costs, and a master that hands them on a step late: as a part of the range that the tensions go
-/// through on the way, for each unit of (λ₀ + η₀) times the step.
+/// The same for what holding the tensions costs, and a master that hands them on a step late: as a part of what the tension of a cable
+/// changes by on the way, for each unit of (λ₀ + η₀) times the step.
 const SPARE_HELD: f64 = 0.5;
 
 /// The same with `hold_compensation`, for each unit of (λ₀ + η₀)² times the step and the step and delay together.
 const SPARE_COMPENSATED: f64 = 0.25;
 
 /// Grids of (17) that are tried: with eight bisections the third is 17 million times finer than the way.
-const FINER_GRIDS: usize = 3;
+const GRIDS: usize = 3;
 
 /// What a robot that rests with less than the allowance may keep of it, as a part of what is left.
 const LEFT: f64 = 0.9;
@@ -69,13 +69,18 @@ impl Planner {
 
     /// (17) with the certificate: the farthest set point found on the straight way to `goal` in six coordinates. Where the first of the grid's points is too
     /// far, on the way to that one, and so on.
+    ///
+    /// None of them leaves less at rest than the allowance; where less is left now, none leaves less than that.
     fn proved(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
         let mut spans = MOST_SPANS;
+        let at_rest = self.allowance().min(self.margin_at(now.set_point));
+        let mut is_proved = |next: &Pose| {
+            self.margin_at(next) >= at_rest && self.is_proved(now, next, spare, &mut spans)
+        };
         let (steps, mut goal) = (self.parameters.bisection_steps, *goal);
-        for _ in 0..FINER_GRIDS {
+        for _ in 0..GRIDS {
             let way = Way { from: now.set_point, goal: &goal };
-            let beta =
-                smallest_admissible(steps, |beta| self.is_proved(now, &way.at(beta), spare, &mut spans));
+            let beta = smallest_admissible(steps, |beta| is_proved(&way.at(beta)));
             if beta < 1.0 {
                 return Some(way.at(beta));
             }
@@ -94,18 +99,18 @@ impl Planner {
             return false;
         }
         let step = Step { start: *now.pose, rates: *now.rates, set_point: *set_point, gains };
-        let mut range = |spare: f64| match certify_within(self.rig(), &self.limits(spare), &step, spans) {
-            Ok(Verdict::Admissible { least, greatest }) => Some(greatest - least),
+        let mut change = |spare: f64| match certify_within(self.rig(), &self.limits(spare), &step, spans) {
+            Ok(Verdict::Admissible { change, .. }) => Some(change),
             _ => None,
         };
-        let Some(range_seen) = range(least) else { return false };
-        let held = self.share_of_holding(now.hold) * range_seen;
-        held <= least || range(held).is_some()
+        let Some(seen) = change(least) else { return false };
+        let held = self.share_of_holding(now.hold) * seen;
+        held <= least || change(held).is_some()
     }
 }
 
 impl Planner {
-    /// What holding the commands costs, as a part of the range that the tensions go through on the way.
+    /// What holding the commands costs, as a part of what the tension of a cable changes by on the way.
     fn share_of_holding(&self, hold: f64) -> f64 {
         let parameters = &self.parameters;
         let sum = parameters.lambda + parameters.eta;

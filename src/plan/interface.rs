@@ -151,6 +151,9 @@ pub struct ControllerParameters {
     /// Greatest speed of a cable, m/s; 0 for no limit.
     #[serde(default)]
     pub max_cable_speed: f64,
+    /// Longest time for which a command may be held, s; 0: as long as the longer of the last two was.
+    #[serde(default)]
+    pub largest_step: f64,
 }
 
 fn hold_compensation() -> bool {
@@ -228,6 +231,7 @@ impl Default for ControllerParameters {
             max_speed: 0.0,
             max_angular_rate: 0.0,
             max_cable_speed: 0.0,
+            largest_step: 0.0,
         }
     }
 }
@@ -318,6 +322,27 @@ impl ControllerParameters {
         (self.planner != PlannerKind::Bounded && force > 0.0).then_some(observer)
     }
 
+    /// What says how far the truth may be from the rig.
+    pub(super) fn unknowns(&self) -> [(&'static str, f64); 4] {
+        [
+            ("accuracy", self.rig.accuracy),
+            ("massTolerance", self.mass_tolerance),
+            ("encoderResolution", self.encoder_resolution),
+            ("disturbanceBound", self.disturbance_bound),
+        ]
+    }
+
+    /// What the planner `Exact` alone heeds; each is 0 where it asks for nothing.
+    pub(super) fn heeded_by_exact(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let others = [
+            ("maxSpeed", self.max_speed),
+            ("maxAngularRate", self.max_angular_rate),
+            ("maxCableSpeed", self.max_cable_speed),
+            ("largestStep", self.largest_step),
+        ];
+        self.unknowns().into_iter().chain(others)
+    }
+
     /// Names the first parameter that makes no sense.
     ///
     /// # Errors
@@ -347,13 +372,8 @@ impl ControllerParameters {
         )?;
         let share = self.mass_tolerance;
         require((0.0..1.0).contains(&share), "massTolerance", share, "must be 0 or greater and below 1")?;
-        for (name, value) in [
-            ("encoderResolution", self.encoder_resolution),
-            ("disturbanceBound", self.disturbance_bound),
-            ("maxSpeed", self.max_speed),
-            ("maxAngularRate", self.max_angular_rate),
-            ("maxCableSpeed", self.max_cable_speed),
-        ] {
+        // Those of the rig, and the share of its mass, are found good.
+        for (name, value) in self.heeded_by_exact() {
             require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
         }
         let bound = self.observer_bound;

@@ -42,14 +42,7 @@ struct Unknown {
 impl ControllerParameters {
     /// The first parameter of those that say what is not known which is not zero.
     fn is_uncertain(&self) -> Option<(&'static str, f64)> {
-        [
-            ("accuracy", self.rig.accuracy),
-            ("massTolerance", self.mass_tolerance),
-            ("encoderResolution", self.encoder_resolution),
-            ("disturbanceBound", self.disturbance_bound),
-        ]
-        .into_iter()
-        .find(|(_, value)| *value > 0.0)
+        self.unknowns().into_iter().find(|(_, value)| *value > 0.0)
     }
 
     /// The largest torque that is not known, the geometry's apart, N m.
@@ -74,19 +67,10 @@ impl ControllerParameters {
         })
     }
 
-    /// `Bounded` leaves nothing for what is not known, and limits no speed.
+    /// `Bounded` leaves nothing for what is not known nor for long steps, and limits no speed.
     pub(super) fn check_planner(&self) -> Result<(), ParameterError> {
-        let of_exact = [
-            ("accuracy", self.rig.accuracy),
-            ("massTolerance", self.mass_tolerance),
-            ("encoderResolution", self.encoder_resolution),
-            ("disturbanceBound", self.disturbance_bound),
-            ("maxSpeed", self.max_speed),
-            ("maxAngularRate", self.max_angular_rate),
-            ("maxCableSpeed", self.max_cable_speed),
-        ];
         let is_bounded = self.planner == PlannerKind::Bounded;
-        let Some((name, value)) = of_exact.into_iter().find(|(_, value)| is_bounded && *value > 0.0) else {
+        let Some((name, value)) = self.heeded_by_exact().find(|(_, value)| is_bounded && *value > 0.0) else {
             return Ok(());
         };
         let allowed = "must be 0 with the planner Bounded, which does not heed it: choose Exact (2)";

@@ -35,7 +35,7 @@ fn the_move_of_section_vi_takes_one_step() {
         gains: Gains { lambda: 3.0, eta: 3.0 },
     };
     let verdict = certify(&paper(), &step).unwrap();
-    let Verdict::Admissible { least, greatest } = verdict else { panic!("{verdict:?}") };
+    let Verdict::Admissible { least, greatest, .. } = verdict else { panic!("{verdict:?}") };
     println!("{verdict:?}");
     assert!(least > 0.0 && least < 1.0501 && greatest < 25.0, "{verdict:?}");
 }
@@ -161,7 +161,7 @@ fn any_rig_and_any_step_against_dense_sampling() {
         let size = rng.random_range(0.02..0.25);
         let step = random_step(&mut rng, size);
         match certify(&rig, &step).unwrap() {
-            Verdict::Admissible { least, greatest } => {
+            Verdict::Admissible { least, greatest, .. } => {
                 admissible += 1;
                 for t in times(&step.gains) {
                     let u = sampled(&rig, &step, t).unwrap();
@@ -405,7 +405,7 @@ fn no_cable_leaves_the_certified_range_on_an_imperfect_plant() {
         rig.cables.iter_mut().for_each(|cable| cable.attachment -= offset);
         let nominal = certify(&rig, &step).unwrap();
         admissible += usize::from(matches!(nominal, Verdict::Admissible { .. }));
-        let Verdict::Admissible { least, greatest } = certify_with_margins(&rig, &step, &MARGINS).unwrap()
+        let Verdict::Admissible { least, greatest, .. } = certify_with_margins(&rig, &step, &MARGINS).unwrap()
         else {
             continue;
         };

@@ -93,10 +93,16 @@ fn no_cable_goes_slack_at_high_gains_or_with_a_late_master() {
 
 /// Smallest tension on the way from rest at `start` to `goal`, given from the first step on; 0 for a slack cable. Steps of `step` s, but for
 /// those that `short` picks, which are of 0.1 ms.
-fn smallest_from_rest(gain: f64, step: f64, start: Pose, goal: Pose, short: impl Fn(u32) -> bool) -> f64 {
+fn smallest_from_rest(
+    controller: ControllerParameters,
+    step: f64,
+    start: Pose,
+    goal: Pose,
+    short: impl Fn(u32) -> bool,
+) -> f64 {
     let parameters = PlantParameters { initial_pose: start, ..Default::default() };
     let hanging = Plant::new(parameters, &PlantInputs::none(6)).unwrap();
-    let mut controller = Controller::new(exact(gain), 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
+    let mut controller = Controller::new(controller, 0.0, &inputs(hanging.outputs(), goal, true)).unwrap();
     let mut pull = PlantInputs { motor_tension: controller.outputs().motor_tension, ..PlantInputs::none(6) };
     let mut plant = Plant::new(parameters, &pull).unwrap();
     let (mut time, mut smallest) = (0.0, f64::INFINITY);
@@ -131,11 +137,23 @@ fn a_goal_given_with_the_first_step_slackens_no_cable() {
             ("a short step at a tick", &|k| k > 0 && k % 13 == 0),
         ];
         for (name, short) in ways {
-            let smallest = smallest_from_rest(gain, step, start, goal, short);
+            let smallest = smallest_from_rest(exact(gain), step, start, goal, short);
             println!("gains {gain}, {step} s, {name}: {smallest:.3} N");
             assert!(smallest > 0.1, "gains {gain}, {step} s, {name}: {smallest} N");
         }
     }
+}
+
+/// The longer of the last two steps says nothing of the next one where two short ones come before each long one.
+#[test]
+fn a_long_step_after_short_ones_costs_nothing_if_the_longest_is_known() {
+    let (start, goal) = (Pose::at(-0.1783, 0.0549, 0.8911), Pose::at(-0.0503, 0.0234, 0.5972));
+    let [known, unknown] = [0.02, 0.0].map(|largest_step| {
+        let parameters = ControllerParameters { largest_step, ..exact(8.0) };
+        smallest_from_rest(parameters, 0.02, start, goal, |k| k % 3 < 2)
+    });
+    println!("smallest tension {known:.3} N, without largestStep {unknown:.3} N");
+    assert!(known > 0.1 && unknown < 0.5 * known, "{known} N, {unknown} N");
 }
 
 /// The greatest distance (m) of the platform from the closed form (12), (13) on the way from rest to a goal that takes one step.

@@ -21,3 +21,4 @@ mod random_rigs;
 mod recognised_rigs;
 mod speeds;
 mod stops;
+mod worst_case;

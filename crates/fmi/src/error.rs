@@ -53,6 +53,8 @@ pub enum FmiError {
     NotReady { name: String, why: String },
     #[error("{argument} = {value} is not allowed: {allowed}")]
     Argument { argument: &'static str, value: f64, allowed: String },
+    #[error("communicationStepSize = {h} s is more than largestStep = {largest} s, for which the planner was started: the step was not made")]
+    TooLong { h: f64, largest: f64 },
     #[error("the step failed and was undone: {0}")]
     Plant(#[from] PlantError),
     #[error("this is not a usable FMU state: {0}")]
@@ -88,7 +90,7 @@ impl FmiError {
     pub fn status(&self) -> Status {
         match self {
             Self::UnknownCategory { .. } => Status::Warning,
-            Self::NotReady { .. } | Self::NoSuchStatus { .. } => Status::Discard,
+            Self::NotReady { .. } | Self::NoSuchStatus { .. } | Self::TooLong { .. } => Status::Discard,
             _ => Status::Error,
         }
     }

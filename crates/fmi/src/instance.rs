@@ -7,7 +7,6 @@ use super::models::{Interface, Model, Running, Scalar};
 use super::state::Snapshot;
 use super::values::Values;
 use super::variables::{Causality, Kind, Variability};
-use cable_robot::plan::Fault;
 
 /// An instance as `fmi2Instantiate` or `fmi3InstantiateCoSimulation` makes it.
 pub struct Instance {
@@ -88,7 +87,7 @@ impl Instance {
             self.log.send(Status::Ok, Category::Warning, &warning);
         }
         if let Some(fault) = self.now.running.as_ref().and_then(Running::fault) {
-            self.warn_of(fault, self.time());
+            self.warn(Status::Ok, || format!("SensorFault at t = {} s: {fault}", self.time()));
         }
         self.event(|now| format!("initialised at t = {} s", now.time()));
         Ok(())
@@ -97,7 +96,7 @@ impl Instance {
     /// Advances from `point` to `point + h`. Inputs are held; outputs and time change together, or nothing does.
     ///
     /// # Errors
-    /// [`FmiError::Argument`] for a step that makes no sense, [`FmiError::Plant`] for one that cannot be computed.
+    /// [`FmiError::Argument`] for a step that makes no sense, [`FmiError::TooLong`] for one that may be made in parts, [`FmiError::Plant`] for one that cannot be computed.
     pub fn step(&mut self, point: f64, h: f64) -> Result<(), FmiError> {
         self.check_step(point, h)?;
         let Some(mut running) = self.now.running.clone() else {
@@ -108,11 +107,11 @@ impl Instance {
         running.write_outputs(&mut self.now.values);
         let fault = self.now.running.as_ref().and_then(Running::fault).map(|fault| fault.check);
         if let Some(new) = running.fault().filter(|new| Some(new.check) != fault) {
-            self.warn_of(new, point);
+            self.warn(Status::Ok, || format!("SensorFault at t = {point} s: {new}"));
         }
         let was_known = self.now.running.as_ref().is_some_and(|before| before.late().is_some());
         if let Some(late) = running.late().filter(|_| !was_known) {
-            self.warn_of_delay(late, point);
+            self.warn(Status::Warning, || wrong_delay(late, point));
         }
         self.now.running = Some(running);
         self.now.set_time(point + h);
@@ -135,6 +134,10 @@ impl Instance {
                 point,
                 &format!("{time}, where the last step ended"),
             ));
+        }
+        let largest = self.now.running.as_ref().and_then(Running::largest_step);
+        if let Some(largest) = largest.filter(|largest| h > largest + tolerance) {
+            return Err(FmiError::TooLong { h, largest });
         }
         match self.now.stop {
             Some(stop) if point + h > stop + tolerance => {
@@ -222,8 +225,12 @@ impl Instance {
                 repeated.get_or_insert(scalar);
             }
         }
-        if let Some(scalar) = repeated {
-            self.warn_of_repetition(&scalar);
+        if let Some(scalar) = repeated.filter(|_| !self.has_warned_of_repetition) {
+            self.has_warned_of_repetition = true;
+            self.warn(Status::Ok, || {
+                let name = scalar.name();
+                format!("{name} was written again after initialisation, with the value that it has: let pass, though it is a fixed parameter")
+            });
         }
         for (i, &reference) in references.iter().enumerate() {
             self.now.values.put(reference, take(i));
@@ -277,33 +284,9 @@ impl Instance {
         Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
     }
 
-    /// Once.
-    fn warn_of_repetition(&mut self, scalar: &Scalar) {
-        if !self.has_warned_of_repetition && self.log.is_enabled(Category::Warning) {
-            let text = format!(
-                "{} was written again after initialisation, with the value that it has: let pass, though it is a fixed parameter",
-                scalar.name()
-            );
-            self.log.send(Status::Ok, Category::Warning, &text);
-            self.has_warned_of_repetition = true;
-        }
-    }
-
-    fn warn_of(&self, fault: &Fault, time: f64) {
+    fn warn(&self, status: Status, text: impl FnOnce() -> String) {
         if self.log.is_enabled(Category::Warning) {
-            let text = format!("SensorFault at t = {time} s: {fault}");
-            self.log.send(Status::Ok, Category::Warning, &text);
-        }
-    }
-
-    fn warn_of_delay(&self, [late, said]: [f64; 2], time: f64) {
-        if self.log.is_enabled(Category::Warning) {
-            let (size, when) = (late.abs(), if late > 0.0 { "later" } else { "earlier" });
-            let right = (said + late).max(0.0);
-            let text = format!(
-                "at t = {time} s: commands act about {size:.4} s {when} than commandDelay = {said} s says; with {right:.4} s holdCompensation would make up for it"
-            );
-            self.log.send(Status::Warning, Category::Warning, &text);
+            self.log.send(status, Category::Warning, &text());
         }
     }
 
@@ -338,6 +321,14 @@ fn check_value(scalar: &Scalar, value: f64) -> Result<(), FmiError> {
         Kind::Float64 | Kind::Int32 | Kind::Boolean if value.is_finite() => Ok(()),
         _ => Err(FmiError::bad_value(scalar, value)),
     }
+}
+
+fn wrong_delay([late, said]: [f64; 2], time: f64) -> String {
+    let (size, when) = (late.abs(), if late > 0.0 { "later" } else { "earlier" });
+    let right = (said + late).max(0.0);
+    format!(
+        "at t = {time} s: commands act about {size:.4} s {when} than commandDelay = {said} s says; with {right:.4} s holdCompensation would make up for it"
+    )
 }
 
 fn argument(argument: &'static str, value: f64, allowed: &str) -> FmiError {

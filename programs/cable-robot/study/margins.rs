@@ -139,7 +139,7 @@ fn try_one(fmu: &Fmu, mut rng: Pcg64) -> Result<Found> {
     loop {
         let (case, truth) = random_case(&mut rng);
         admissible += u64::from(matches!(certify(&case.rig, &case.step)?, Verdict::Admissible { .. }));
-        if let Verdict::Admissible { least, greatest } =
+        if let Verdict::Admissible { least, greatest, .. } =
             certify_with_margins(&case.rig, &case.step, &MARGINS)?
         {
             let (range, slack) = run(fmu, &mut rng, &case.step, &case.rig, &truth)?;

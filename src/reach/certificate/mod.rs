@@ -31,6 +31,9 @@ pub enum Verdict {
         least: f64,
         /// An upper bound of all tensions, N.
         greatest: f64,
+        /// An upper bound of what the tension of any one cable changes by on the way, N: with more than six cables, whose tensions may be
+        /// shared in many ways, of what it can change by within those two bounds.
+        change: f64,
     },
     /// Proved: a tension is at or beyond a limit.
     NotAdmissible {
@@ -151,7 +154,7 @@ fn closed_form(
     if let Some(cause) = margins::lost_angles(step, &tube) {
         return Err(undecided_at_large(cause));
     }
-    let mut range = Range::none();
+    let mut range = Range::none(rig);
     if rig.cables.len() == LEAST_CABLES {
         search::walk(rig, step, &tube, limits, spans, |cables| range.include(&cables.tension, 0.0))?;
     } else {
@@ -199,7 +202,7 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
         let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
-        let (mut range, mut intruded) = (Range::none(), 0.0_f64);
+        let (mut range, mut intruded) = (Range::none(rig), 0.0_f64);
         extent = Extent::none();
         walk(rig, &limits, (step, &tube), &mut spans(), |pulling, intrusion| {
             extent.include(rig, pulling);
@@ -226,35 +229,42 @@ const MOST_GUESSES: usize = 5;
 
 /// Bounds of the tensions seen, N.
 struct Range {
-    least: f64,
-    greatest: f64,
+    /// Least and greatest of each cable.
+    of_cable: PerCable<[f64; 2]>,
 }
 
 impl Range {
-    fn none() -> Self {
-        Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY }
+    fn none(rig: &Rig) -> Self {
+        Self { of_cable: rig.cables.map(|_| [f64::INFINITY, f64::NEG_INFINITY]) }
     }
 
     fn include(&mut self, tensions: &[Taylor], apart: f64) {
-        for [least, greatest] in tensions.iter().map(Taylor::range) {
-            self.least = self.least.min(least - apart);
-            self.greatest = self.greatest.max(greatest + apart);
+        for (seen, tension) in self.of_cable.iter_mut().zip(tensions) {
+            let [least, greatest] = tension.range();
+            *seen = [seen[0].min(least - apart), seen[1].max(greatest + apart)];
         }
     }
 
-    /// Cut off at the outermost limits and what is intruded beyond them.
-    fn within(&self, limits: &PerCable<TensionLimits>, intruded: f64) -> Self {
-        let least = limits.iter().map(|limits| limits.min - intruded).fold(f64::INFINITY, f64::min);
-        let greatest = limits.iter().map(|limits| limits.max + intruded).fold(0.0, f64::max);
-        Self { least: self.least.max(least), greatest: self.greatest.min(greatest) }
+    /// Each cut off at its limits and what is intruded beyond them.
+    fn within(mut self, limits: &PerCable<TensionLimits>, intruded: f64) -> Self {
+        for (seen, limits) in self.of_cable.iter_mut().zip(limits) {
+            *seen = [seen[0].max(limits.min - intruded), seen[1].min(limits.max + intruded)];
+        }
+        self
     }
 
-    fn widened(&self, by: f64) -> Self {
-        Self { least: self.least - by, greatest: self.greatest + by }
+    fn widened(self, by: f64) -> Self {
+        Self { of_cable: self.of_cable.map(|[least, greatest]| [least - by, greatest + by]) }
     }
 
     fn admissible(&self) -> Verdict {
-        Verdict::Admissible { least: self.least, greatest: self.greatest }
+        let least = self.of_cable.iter().map(|seen| seen[0]).fold(f64::INFINITY, f64::min);
+        let greatest = self.of_cable.iter().map(|seen| seen[1]).fold(f64::NEG_INFINITY, f64::max);
+        let change = match self.of_cable.len() {
+            LEAST_CABLES => self.of_cable.iter().map(|[least, greatest]| greatest - least).fold(0.0, f64::max),
+            _ => greatest - least,
+        };
+        Verdict::Admissible { least, greatest, change }
     }
 }
 

@@ -107,6 +107,23 @@ fn steps_that_are_none_are_refused() {
     }
 }
 
+/// What it was not started for is discarded, and the master may make the step in parts.
+#[test]
+fn a_step_longer_than_the_largest_is_refused() {
+    for fmi in BOTH {
+        let slave = Slave::new(fmi, Model::Controller);
+        assert_eq!(slave.set_enumeration("planner", 2) + slave.set("largestStep", 4e-3), OK);
+        assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
+        assert_eq!(slave.step(0.0, 4e-3), OK);
+        let before = picture(&slave);
+        assert_eq!(slave.step(4e-3, 5e-3), DISCARD);
+        let message = slave.last_message();
+        assert!(message.contains("0.005 s is more than largestStep = 0.004 s"), "{message}");
+        assert_eq!(picture(&slave), before);
+        assert_eq!(slave.step(4e-3, 4e-3), OK, "{}", slave.last_message());
+    }
+}
+
 /// FMPy issue 887: importers add and multiply step sizes, and 0.1 + 0.2 is not 0.3.
 #[test]
 fn communication_points_are_compared_with_a_tolerance() {

@@ -89,6 +89,12 @@ impl Running {
         Some([controller.late()?, controller.parameters().command_delay])
     }
 
+    /// The longest step (s) that the controller was started for, if any is.
+    pub fn largest_step(&self) -> Option<f64> {
+        let Running::Controller(controller) = self else { return None };
+        Some(controller.parameters().largest_step).filter(|largest| *largest > 0.0)
+    }
+
     /// Copies the outputs into `values`.
     pub fn write_outputs(&self, values: &mut Values) {
         match self {

@@ -259,6 +259,16 @@ pub const MAX_CABLE_SPEED: Row = Row {
         "Greatest speed of a cable, 0 for no limit: the planner Exact heeds it",
     )
 };
+pub const LARGEST_STEP: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        29,
+        "largestStep",
+        &SECOND,
+        &[0.0],
+        "Longest communication step, longer ones are discarded; 0 for any: the planner Exact then reckons with the longer of the last two",
+    )
+};
 pub const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -477,6 +487,7 @@ pub const ROWS: &[&Row] = &[
     &MAX_SPEED,
     &MAX_ANGULAR_RATE,
     &MAX_CABLE_SPEED,
+    &LARGEST_STEP,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
