@@ -34,7 +34,7 @@ impl Planner {
     /// The active set point is admissible from every state on the way to it, so there is always one (docs/exact.md); `None` if it is
     /// that one.
     pub(super) fn exact(&self, now: &Situation, goal: &Pose) -> Option<Pose> {
-        if now.set_point == goal || !self.rig().can_be_at(goal) {
+        if now.set_point == goal || !self.rig().can_be_at(goal) || now.hold > self.parameters.longest_hold() {
             return None;
         }
         let goal = &self.within_speed(now, goal);
@@ -74,9 +74,8 @@ impl Planner {
     fn proved(&self, now: &Situation, goal: &Pose, spare: f64) -> Option<Pose> {
         let mut spans = MOST_SPANS;
         let at_rest = self.allowance().min(self.margin_at(now.set_point));
-        let mut is_proved = |next: &Pose| {
-            self.margin_at(next) >= at_rest && self.is_proved(now, next, spare, &mut spans)
-        };
+        let mut is_proved =
+            |next: &Pose| self.margin_at(next) >= at_rest && self.is_proved(now, next, spare, &mut spans);
         let (steps, mut goal) = (self.parameters.bisection_steps, *goal);
         for _ in 0..GRIDS {
             let way = Way { from: now.set_point, goal: &goal };

@@ -95,6 +95,9 @@ impl Status {
         [Self::Disabled, Self::Holding, Self::Moving, Self::AtGoal, Self::GoalUnreachable, Self::SensorFault];
 }
 
+/// What the longest step follows from.
+pub const OF_LONGEST_STEP: &str = "with the planner Exact (lambda + eta) times step and commandDelay together is at most 1, and no step longer than largestStep";
+
 /// Largest gain that makes sense, 1/s.
 const MAX_GAIN: f64 = 1000.0;
 
@@ -322,6 +325,35 @@ impl ControllerParameters {
         (self.planner != PlannerKind::Bounded && force > 0.0).then_some(observer)
     }
 
+    /// The longest step that may be asked for, s: without bound for `Bounded`, which promises nothing of held commands. For `Exact` (λ + η)(h + d) is at
+    /// most 1; derived in docs/exact.md, "What holding the tensions costs".
+    pub fn longest_step(&self) -> f64 {
+        if self.planner == PlannerKind::Bounded {
+            return f64::INFINITY;
+        }
+        let borne = self.longest_hold();
+        if self.largest_step > 0.0 { borne.min(self.largest_step) } else { borne }
+    }
+
+    /// s.
+    pub(super) fn longest_hold(&self) -> f64 {
+        1.0 / (self.lambda + self.eta) - self.command_delay
+    }
+
+    /// Whether a command may be held for `step` s.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the longest step that may be.
+    pub fn check_step(&self, step: f64) -> Result<(), ParameterError> {
+        let longest = self.longest_step();
+        // A sum of steps is rounded.
+        if step <= longest * (1.0 + 1e-6) {
+            return Ok(());
+        }
+        let allowed = format!("must be at most {longest:.3e} (s): {OF_LONGEST_STEP}");
+        Err(ParameterError { name: "step".into(), value: step, allowed: allowed.into() })
+    }
+
     /// What says how far the truth may be from the rig.
     pub(super) fn unknowns(&self) -> [(&'static str, f64); 4] {
         [
@@ -380,6 +412,20 @@ impl ControllerParameters {
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;
         self.check_planner()?;
+        if self.planner != PlannerKind::Bounded {
+            let borne = self.longest_hold();
+            let allowed = "must be less than 1/(lambda + eta) (s) with the planner Exact";
+            require(borne > 0.0, "commandDelay", delay, allowed)?;
+            let allowed = format!("must be at most {borne:.3e} (s): 1/(lambda + eta) less commandDelay");
+            let step = self.largest_step;
+            if step > borne {
+                return Err(ParameterError {
+                    name: "largestStep".into(),
+                    value: step,
+                    allowed: allowed.into(),
+                });
+            }
+        }
         if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {

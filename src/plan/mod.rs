@@ -24,6 +24,7 @@ mod tangents;
 pub use controller::Controller;
 pub use fault::{Check, Fault};
 pub use interface::{
-    ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, PoseSource, Rest, Status,
+    ControllerInputs, ControllerOutputs, ControllerParameters, OF_LONGEST_STEP, PlannerKind, PoseSource,
+    Rest, Status,
 };
 pub use planner::Planner;

@@ -55,6 +55,7 @@ impl ControllerModel for Controller {
         h: f64,
         inputs: &ControllerInputs,
     ) -> Result<ControllerOutputs, ModelError> {
+        self.parameters().check_step(h)?;
         Controller::step(self, time, h, inputs);
         Ok(*self.outputs())
     }

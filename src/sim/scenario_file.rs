@@ -84,6 +84,7 @@ impl ScenarioFile {
         let plant = self.plant(&controller, self.start(&controller, home)?);
         controller.validate().map_err(|error| self.locate(&error))?;
         plant.validate().map_err(|error| self.locate(&error))?;
+        controller.check_step(step).map_err(|error| self.locate(&error))?;
         Ok(Scenario {
             title: self.file.title.clone(),
             rig: rig.to_owned(),
@@ -254,6 +255,7 @@ impl ScenarioFile {
         let least = start_of(&controller.min_tension);
         let name = error.name.split_once('[').map_or(&*error.name, |(name, _)| name);
         let (field, offset) = match name {
+            "step" => ("step", start_of(&self.file.step)),
             "lambda" => ("controller.lambda", start_of(&controller.lambda)),
             "eta" => ("controller.eta", start_of(&controller.eta)),
             "plannerPeriod" => ("controller.planner_period", start_of(&controller.planner_period)),

@@ -405,7 +405,8 @@ fn no_cable_leaves_the_certified_range_on_an_imperfect_plant() {
         rig.cables.iter_mut().for_each(|cable| cable.attachment -= offset);
         let nominal = certify(&rig, &step).unwrap();
         admissible += usize::from(matches!(nominal, Verdict::Admissible { .. }));
-        let Verdict::Admissible { least, greatest, .. } = certify_with_margins(&rig, &step, &MARGINS).unwrap()
+        let Verdict::Admissible { least, greatest, .. } =
+            certify_with_margins(&rig, &step, &MARGINS).unwrap()
         else {
             continue;
         };

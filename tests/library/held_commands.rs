@@ -1,9 +1,11 @@
 //! Commands that are held and handed on late: inputs at which cables went slack, with the law evaluated for the interval in which its
 //! command acts.
 
+use cable_robot::control::{Gains, Response};
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose};
 use cable_robot::sim::{ClosedLoop, PlantParameters};
+use nalgebra::{Matrix2, Vector2};
 
 /// A perfect plant, starting at rest at (0, 0, 1).
 struct Case {
@@ -115,4 +117,51 @@ fn a_goal_that_leaves_half_a_newton_is_reached() {
         assert_eq!(run.step(4e-3).unwrap().plant.slack, [false; 6]);
     }
     assert_eq!(run.controller.outputs().status, Status::AtGoal);
+}
+
+/// With gains of 200 and steps of 20 ms the sampled loop has no stability left: the robot ended 7 m from its goal, and nothing had said so.
+#[test]
+fn a_step_too_long_for_the_gains_is_refused() {
+    let lost =
+        Case { gain: 200.0, step: 20e-3, is_late: false, goals: &[(0.5, [0.05, 0.05, 1.0, 0.0, 0.0, 0.0])] };
+    assert_eq!(slack(&lost, true, 5.0).0, f64::INFINITY);
+    let with = |largest_step, command_delay| ControllerParameters {
+        planner: PlannerKind::Exact,
+        lambda: 200.0,
+        eta: 200.0,
+        largest_step,
+        command_delay,
+        ..Default::default()
+    };
+    let refusal = |parameters: ControllerParameters| parameters.validate().unwrap_err().to_string();
+    assert_eq!(
+        with(0.0, 0.0).check_step(20e-3).unwrap_err().to_string(),
+        "parameter step = 0.02 is not allowed: must be at most 2.500e-3 (s): with the planner Exact (lambda + eta) times step and commandDelay together is at \
+         most 1, and no step longer than largestStep"
+    );
+    assert_eq!(with(0.0, 1e-3).check_step(1.5e-3), Ok(()));
+    assert!(with(0.0, 1e-3).check_step(1.6e-3).is_err() && with(1e-3, 1e-3).check_step(1.1e-3).is_err());
+    assert!(refusal(with(20e-3, 0.0)).contains("parameter largestStep = 0.02"));
+    assert!(refusal(with(0.0, 20e-3)).contains("parameter commandDelay = 0.02"));
+    assert_eq!(
+        ControllerParameters { planner: PlannerKind::Bounded, ..with(0.0, 0.0) }.check_step(0.5),
+        Ok(())
+    );
+}
+
+/// For how long nothing may go wrong: at (λ + η) h = 1 the sampled loop of one coordinate dies away nearly as the closed form does, and from 4 on not at all.
+#[test]
+fn the_longest_step_is_a_quarter_of_what_the_sampled_loop_bears() {
+    let decay = |product: f64| {
+        // One step of 1 s with the acceleration of the closed form in its middle.
+        let gains = Gains { lambda: 0.5 * product, eta: 0.5 * product };
+        let column = |x: f64, v: f64| {
+            let acceleration = Response::at(&gains, 0.5).motion(x, v, 0.0)[2];
+            Vector2::new(x + v + 0.5 * acceleration, v + acceleration)
+        };
+        let step = Matrix2::from_columns(&[column(1.0, 0.0), column(0.0, 1.0)]);
+        step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+    };
+    assert!((decay(1.0) - (-0.5f64).exp()).abs() < 0.02, "{}", decay(1.0));
+    assert!((decay(4.0) - 1.0).abs() < 1e-9 && decay(3.9) < 1.0 && decay(4.1) > 1.0);
 }

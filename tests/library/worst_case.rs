@@ -83,7 +83,8 @@ fn off(rig: &Rig, sign: f64, ways: &[Vector3<f64>; 12]) -> Rig {
 /// The directions in which the tension of a cable at rest falls most.
 fn steepest(rig: &Rig, pose: &Pose, cable: usize) -> [Vector3<f64>; 12] {
     let none = [Vector3::zeros(); 12];
-    let tension = |ways: &[Vector3<f64>; 12]| static_tensions(&off(rig, 0.0, ways), pose, 0.0).unwrap()[cable];
+    let tension =
+        |ways: &[Vector3<f64>; 12]| static_tensions(&off(rig, 0.0, ways), pose, 0.0).unwrap()[cable];
     std::array::from_fn(|end| {
         let slope = Vector3::from_fn(|k, _| {
             let mut moved = none;

@@ -6,6 +6,7 @@ use super::lifecycle::State;
 use super::log::Category;
 use super::models::Scalar;
 use super::variables::Kind;
+use cable_robot::plan::OF_LONGEST_STEP;
 use cable_robot::robot::ParameterError;
 use cable_robot::sim::plant::PlantError;
 
@@ -53,8 +54,10 @@ pub enum FmiError {
     NotReady { name: String, why: String },
     #[error("{argument} = {value} is not allowed: {allowed}")]
     Argument { argument: &'static str, value: f64, allowed: String },
-    #[error("communicationStepSize = {h} s is more than largestStep = {largest} s, for which the planner was started: the step was not made")]
-    TooLong { h: f64, largest: f64 },
+    #[error(
+        "communicationStepSize = {h} s is too long, the step was not made; at most {longest:.3e} s: {OF_LONGEST_STEP}"
+    )]
+    TooLong { h: f64, longest: f64 },
     #[error("the step failed and was undone: {0}")]
     Plant(#[from] PlantError),
     #[error("this is not a usable FMU state: {0}")]

@@ -135,9 +135,9 @@ impl Instance {
                 &format!("{time}, where the last step ended"),
             ));
         }
-        let largest = self.now.running.as_ref().and_then(Running::largest_step);
-        if let Some(largest) = largest.filter(|largest| h > largest + tolerance) {
-            return Err(FmiError::TooLong { h, largest });
+        let longest = self.now.running.as_ref().map_or(f64::INFINITY, Running::longest_step);
+        if h > longest + tolerance {
+            return Err(FmiError::TooLong { h, longest });
         }
         match self.now.stop {
             Some(stop) if point + h > stop + tolerance => {

@@ -127,6 +127,7 @@ impl Object {
             self.running = Some(started);
         }
         let controller = self.running.as_mut().ok_or("the controller has not started")?;
+        self.parameters.check_step(hold).map_err(|error| error.to_string())?;
         controller.step(time, hold, inputs);
         Ok(*controller.outputs())
     }

@@ -23,7 +23,7 @@ Rigs: Table I, and random ones near the paper's shape. Gains 0.3 to 15 1/s, step
 late), up to four goals, turned ones and ones that cannot be had among them, half of the first given at once. Planner Exact.";
 
 /// Upper ends of the classes of (λ + η) h, and of (λ + η) times the delay besides.
-const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, f64::INFINITY];
+const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 1.0];
 /// A robot this much turned, rad, or this many radii of the rig from its home, is lost.
 const LOST_TURN: f64 = 1.4;
 const LOST_WAY: f64 = 20.0;
@@ -55,7 +55,7 @@ pub struct Held {
 #[derive(Clone, Copy, Default)]
 struct Class {
     runs: u64,
-    /// Not started: the controller refused.
+    /// Not started: the controller refused, or the step was too long.
     refused: u64,
     slack: u64,
     lost: u64,
@@ -100,16 +100,16 @@ impl Held {
         let one = |k: u64| -> Result<Classes, SimulationError> {
             let mut rng = random_of(self.seed, k);
             let case = self.draw(&mut rng);
-            let end = case.run(&mut rng);
-            progress.done(1);
             let product = case.product();
             let class = CLASSES.iter().position(|most| product <= *most).unwrap_or(CLASSES.len() - 1);
+            let end = case.parameters.check_step(case.step).is_ok().then(|| case.run(&mut rng));
+            progress.done(1);
             let mut classes = Classes::default();
             classes[usize::from(case.is_late)][class] = match end {
-                Ok(end) => Class::of(&end, product, k),
+                Some(Ok(end)) => Class::of(&end, product, k),
                 // What is not known may be too much for the start.
-                Err(_) if self.imperfect => Class { refused: 1, ..Class::default() },
-                Err(refused) => return Err(refused),
+                Some(Err(refused)) if !self.imperfect => return Err(refused),
+                _ => Class { refused: 1, ..Class::default() },
             };
             Ok(classes)
         };
@@ -182,7 +182,7 @@ impl Held {
                 .flat_map(|order| (0..CLASSES.len()).map(move |class| (order, class)))
                 .map(|(order, class)| {
                     let c = &classes[order][class];
-                    json!({"order": orders[order], "most": CLASSES[class].min(f64::MAX), "runs": c.runs, "refused": c.refused, "slack": c.slack, "lost": c.lost,
+                    json!({"order": orders[order], "most": CLASSES[class], "runs": c.runs, "refused": c.refused, "slack": c.slack, "lost": c.lost,
                         "goals": c.goals, "reached": c.reached, "smallest_per_weight": if c.runs > 0 { c.smallest } else { 0.0 },
                         "first": c.first.map(|(product, run)| json!({"product": product, "run": run}))})
                 })

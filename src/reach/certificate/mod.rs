@@ -261,7 +261,9 @@ impl Range {
         let least = self.of_cable.iter().map(|seen| seen[0]).fold(f64::INFINITY, f64::min);
         let greatest = self.of_cable.iter().map(|seen| seen[1]).fold(f64::NEG_INFINITY, f64::max);
         let change = match self.of_cable.len() {
-            LEAST_CABLES => self.of_cable.iter().map(|[least, greatest]| greatest - least).fold(0.0, f64::max),
+            LEAST_CABLES => {
+                self.of_cable.iter().map(|[least, greatest]| greatest - least).fold(0.0, f64::max)
+            }
             _ => greatest - least,
         };
         Verdict::Admissible { least, greatest, change }

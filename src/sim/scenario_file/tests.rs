@@ -225,6 +225,12 @@ fn bad_values_are_named_with_line_field_and_what_is_allowed() {
             "eta",
             "controller.eta = 2000 is not allowed: must be greater than 0 and at",
         ),
+        (
+            "step = 0.01",
+            "step = 0.2",
+            "step = 0.01",
+            "step = 0.2 is not allowed: must be at most 1.647e-1 (s)",
+        ),
         ("min_tension = 1.0", "min_tension = -1", "min_tension", "controller.min_tension = -1"),
         ("command_delay = 0.002", "command_delay = -1", "command_delay", "controller.command_delay = -1"),
         ("observer_bound = 0.2", "observer_bound = 2", "observer_bound", "controller.observer_bound = 2"),

@@ -118,9 +118,18 @@ fn a_step_longer_than_the_largest_is_refused() {
         let before = picture(&slave);
         assert_eq!(slave.step(4e-3, 5e-3), DISCARD);
         let message = slave.last_message();
-        assert!(message.contains("0.005 s is more than largestStep = 0.004 s"), "{message}");
+        assert!(
+            message.contains("0.005 s is too long") && message.contains("at most 4.000e-3 s"),
+            "{message}"
+        );
         assert_eq!(picture(&slave), before);
         assert_eq!(slave.step(4e-3, 4e-3), OK, "{}", slave.last_message());
+        // (lambda + eta) times the step is 1 at most.
+        let slave = Slave::new(fmi, Model::Controller);
+        assert_eq!(slave.set_enumeration("planner", 2) + slave.set("lambda", 200.0), OK);
+        assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
+        assert_eq!(slave.step(0.0, 20e-3), DISCARD);
+        assert!(slave.last_message().contains("at most 4.926e-3 s"), "{}", slave.last_message());
     }
 }
 

@@ -278,18 +278,19 @@ impl Config {
     pub fn of_drives(&self, parameters: ControllerParameters) -> ControllerParameters {
         let of_winches = self.drives.iter().map(|drive| drive.winch.metres_per_count());
         let heeds = parameters.planner != PlannerKind::Bounded;
-        let (encoder_resolution, max_cable_speed) = if heeds {
-            (of_winches.fold(0.0, f64::max), SHARE_OF_CABLE_SPEED * self.limits.cable_speed)
+        let period = self.period as f64 * 1e-9;
+        let (encoder_resolution, max_cable_speed, largest_step) = if heeds {
+            (of_winches.fold(0.0, f64::max), SHARE_OF_CABLE_SPEED * self.limits.cable_speed, period)
         } else {
-            (0.0, 0.0)
+            (0.0, 0.0, 0.0)
         };
-        // From an encoder's sample to the torque that answers it is one period, for which it then holds.
-        let command_delay = self.period as f64 * 1e-9;
         ControllerParameters {
             hold_compensation: true,
-            command_delay,
+            // From an encoder's sample to the torque that answers it is one period, for which it then holds.
+            command_delay: period,
             encoder_resolution,
             max_cable_speed,
+            largest_step,
             ..parameters
         }
     }

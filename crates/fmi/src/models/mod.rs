@@ -89,10 +89,12 @@ impl Running {
         Some([controller.late()?, controller.parameters().command_delay])
     }
 
-    /// The longest step (s) that the controller was started for, if any is.
-    pub fn largest_step(&self) -> Option<f64> {
-        let Running::Controller(controller) = self else { return None };
-        Some(controller.parameters().largest_step).filter(|largest| *largest > 0.0)
+    /// The longest step that may be asked for, s.
+    pub fn longest_step(&self) -> f64 {
+        match self {
+            Running::Controller(controller) => controller.parameters().longest_step(),
+            Running::Plant(_) => f64::INFINITY,
+        }
     }
 
     /// Copies the outputs into `values`.
