@@ -8,7 +8,8 @@ from fmpy import extract, instantiate_fmu, read_model_description
 
 FMU_FOLDER = Path(__file__).resolve().parent.parent / "target" / "fmu"
 POSE = ["x", "y", "z", "roll", "pitch", "yaw"]
-STATUS = {1: "Disabled", 2: "Holding", 3: "Moving", 4: "AtGoal", 5: "GoalUnreachable", 6: "SensorFault"}
+STATUS = {1: "Disabled", 2: "Holding", 3: "Moving", 4: "AtGoal", 5: "GoalUnreachable", 6: "SensorFault",
+          7: "WaitingForPose"}
 
 
 def fmu_path(version: int, model: str) -> Path:

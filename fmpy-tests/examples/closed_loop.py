@@ -16,7 +16,8 @@ from fmpy import extract, instantiate_fmu, read_model_description
 FMUS = Path(__file__).resolve().parents[2] / "target" / "fmu" / "fmi3"
 POSE = ["x", "y", "z", "roll", "pitch", "yaw"]
 TENSIONS = [f"measuredTension[{cable}]" for cable in range(1, 7)]
-STATUS = {1: "Disabled", 2: "Holding", 3: "Moving", 4: "AtGoal", 5: "GoalUnreachable", 6: "SensorFault"}
+STATUS = {1: "Disabled", 2: "Holding", 3: "Moving", 4: "AtGoal", 5: "GoalUnreachable", 6: "SensorFault",
+          7: "WaitingForPose"}
 AT_GOAL, GOAL_UNREACHABLE = 4, 5
 PICTURES = [".png", ".svg", ".pdf"]
 

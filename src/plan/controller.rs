@@ -20,6 +20,10 @@ const STILL_AT_REST: [f64; 2] = [5.0, 10.0];
 /// A start counts as one in motion beyond the tolerances of rest this many times over.
 const IN_MOTION: f64 = 15.0;
 
+/// Poses that are zero in all six coordinates, from the first step on, which are taken for poses that were never set. Connected models hand on a pose
+/// a step late each; where the origin is the robot's place, it starts so many steps later.
+const UNSET_POSES: u8 = 5;
+
 /// Controller and planner with all their memory: plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Controller {
@@ -27,6 +31,8 @@ pub struct Controller {
     mode: Mode,
     /// Whether no step was made yet.
     is_fresh: bool,
+    /// How many more poses of zeros are taken for poses that were never set.
+    unset: u8,
     /// Time of the last step, s.
     time: f64,
     /// For how long the command of the last step is held, and that of the one before, s.
@@ -82,6 +88,7 @@ impl Controller {
             planner,
             mode: Mode::Disabled,
             is_fresh: true,
+            unset: UNSET_POSES,
             time,
             hold: [0.0; 2],
             started: time,
@@ -115,6 +122,8 @@ impl Controller {
         self.hold = [hold, self.hold[0]];
         self.sense(inputs, dt);
         self.is_fresh = false;
+        self.unset =
+            if inputs.encoder_pose.0 == Coordinates::zeros() { self.unset.saturating_sub(1) } else { 0 };
         if self.mode == Mode::Active {
             self.plan(&inputs.goal_pose);
         }
@@ -169,6 +178,8 @@ impl Controller {
         };
         match (measured, jump) {
             (Ok(pose), Some(_)) => self.estimator = Estimator::at_rest(pose),
+            // The pose before was not measured.
+            (Ok(pose), None) if matches!(was, Mode::Waiting(_)) => self.estimator = Estimator::at_rest(pose),
             (Ok(pose), None) => self.estimate(&pose, dt, was),
             (Err(_), _) => {}
         }
@@ -218,7 +229,7 @@ impl Controller {
 
     fn encoder_pose(&self, inputs: &ControllerInputs) -> Result<Pose, Fault> {
         let pose = inputs.encoder_pose;
-        if self.is_fresh && pose.0 == Coordinates::zeros() {
+        if self.unset > 0 && pose.0 == Coordinates::zeros() {
             return Err(Fault::new(Check::NotSet, 0.0, 0.0, &pose));
         }
         check_pose(self.planner.rig(), pose)
@@ -456,7 +467,8 @@ impl Controller {
         self.outputs.at_goal = at_goal;
         self.outputs.status = match self.mode {
             Mode::Disabled => Status::Disabled,
-            Mode::Waiting(_) | Mode::Faulted(_) => Status::SensorFault,
+            Mode::Faulted(_) => Status::SensorFault,
+            Mode::Waiting(_) => Status::WaitingForPose,
             Mode::Active if self.unreachable => Status::GoalUnreachable,
             Mode::Active if at_goal => Status::AtGoal,
             Mode::Active if steady => Status::Holding,

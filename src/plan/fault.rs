@@ -21,7 +21,7 @@ const TOP_ANGULAR_RATE: f64 = 4.0;
 pub enum Check {
     /// None failed.
     None = 1,
-    /// The first pose was zero in all six coordinates, as a master with a unit delay passes it on before it knows one.
+    /// The first poses were zero in all six coordinates, as a master with unit delays passes them on before it knows one.
     NotSet = 2,
     /// Every anchor lies below its attachment: no cable pulls against gravity.
     AboveAnchors = 3,

@@ -85,14 +85,23 @@ pub enum Status {
     /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
     GoalUnreachable = 5,
     /// The measured pose made no sense; the robot brakes from its last good state, and gravity is held there, until `enable` falls and rises
-    /// again. If none has made sense since the start, gravity is held only until one does.
+    /// again.
     SensorFault = 6,
+    /// No pose has made sense since the start: gravity is held where the robot was said to be, until one does.
+    WaitingForPose = 7,
 }
 
 impl Status {
     /// All there are, in the order of their numbers.
-    pub const ALL: [Self; 6] =
-        [Self::Disabled, Self::Holding, Self::Moving, Self::AtGoal, Self::GoalUnreachable, Self::SensorFault];
+    pub const ALL: [Self; 7] = [
+        Self::Disabled,
+        Self::Holding,
+        Self::Moving,
+        Self::AtGoal,
+        Self::GoalUnreachable,
+        Self::SensorFault,
+        Self::WaitingForPose,
+    ];
 }
 
 /// What the longest step follows from.
@@ -282,7 +291,7 @@ pub struct ControllerOutputs {
     pub estimated_mass: f64,
     /// What the controller is doing.
     pub status: Status,
-    /// Why, if that is `SensorFault`.
+    /// Why, if that is `SensorFault` or `WaitingForPose`.
     pub fault: Fault,
 }
 

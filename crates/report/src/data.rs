@@ -44,7 +44,7 @@ pub struct Data {
     tension_top: f64,
     colour_top: f64,
     /// Names of the statuses from number 1 on.
-    statuses: [&'static str; 6],
+    statuses: [&'static str; 7],
     /// Those active in a drawn row.
     set_points: Vec<SetPoint>,
     /// Number of the last set point.

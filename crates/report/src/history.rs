@@ -85,7 +85,8 @@ impl<'a> History<'a> {
 
     /// Whether the law (4) was at work: neither disabled nor at fault.
     pub fn law_at_work(&self, row: usize) -> bool {
-        let idle = [Status::Disabled as i32, Status::SensorFault as i32];
+        let idle =
+            [Status::Disabled, Status::SensorFault, Status::WaitingForPose].map(|status| status as i32);
         self.status.as_ref().is_none_or(|status| !idle.contains(&status[row]))
     }
 
@@ -143,6 +144,7 @@ pub fn status_name(status: Status) -> &'static str {
         Status::AtGoal => "at the goal",
         Status::GoalUnreachable => "goal unreachable",
         Status::SensorFault => "sensor fault",
+        Status::WaitingForPose => "waiting for a pose",
     }
 }
 

@@ -23,7 +23,7 @@ block Controller "Controller and planner: pose in, motor tensions out"
     annotation(Placement(transformation(extent = {{100, 10}, {120, 30}})));
   CableRobot.Interfaces.RealOutput tensionMargin(start = 0) "Smallest tension predicted from now on, N"
     annotation(Placement(transformation(extent = {{100, -30}, {120, -10}})));
-  CableRobot.Interfaces.IntegerOutput status(start = 1) "1 Disabled, 2 Holding, 3 Moving, 4 AtGoal, 5 GoalUnreachable, 6 SensorFault"
+  CableRobot.Interfaces.IntegerOutput status(start = 1) "1 Disabled, 2 Holding, 3 Moving, 4 AtGoal, 5 GoalUnreachable, 6 SensorFault, 7 WaitingForPose"
     annotation(Placement(transformation(extent = {{100, -70}, {120, -50}})));
 protected
   CableRobot.Types.Controller controller = CableRobot.Types.Controller(

@@ -34,7 +34,7 @@ pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
          cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
 Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
-GoalUnreachable or SensorFault, 4 a cable went slack, 130 interrupted; what was recorded until then is written.";
+GoalUnreachable, SensorFault or WaitingForPose, 4 a cable went slack, 130 interrupted; what was recorded until then is written.";
 
 #[derive(Args)]
 pub struct Simulate {
@@ -126,7 +126,9 @@ impl Simulate {
                 Outcome::Interrupted
             }
             (End::Whole, _) if is_slack => Outcome::Slack,
-            (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault)) => Outcome::NotReachable,
+            (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault | Status::WaitingForPose)) => {
+                Outcome::NotReachable
+            }
             (End::Whole, _) => Outcome::Done,
         })
     }

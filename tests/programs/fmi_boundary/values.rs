@@ -270,3 +270,55 @@ fn what_must_be_greater_than_zero_says_so() {
         }
     }
 }
+
+/// ecospy and libcosimpy show no enumerations: planner, poseSource and status were out of reach.
+#[test]
+fn enumerations_can_be_had_as_numbers() {
+    let number = |slave: &Slave, name: &str, value: i32| {
+        let reference = slave.reference(name);
+        unsafe {
+            match slave.fmi {
+                Two => fmi2SetInteger(slave.instance, &reference, 1, &value),
+                Three => fmi3SetInt32(slave.instance, &reference, 1, &value, 1),
+            }
+        }
+    };
+    let shown = |slave: &Slave, name: &str| {
+        let (reference, mut value) = (slave.reference(name), 0);
+        let status = unsafe {
+            match slave.fmi {
+                Two => fmi2GetInteger(slave.instance, &reference, 1, &mut value),
+                Three => fmi3GetInt32(slave.instance, &reference, 1, &mut value, 1),
+            }
+        };
+        assert_eq!(status, OK, "{}", slave.last_message());
+        value
+    };
+    for fmi in BOTH {
+        let start = |numbers: &[(&str, i32)]| {
+            let slave = Slave::new(fmi, Model::Controller);
+            for (name, value) in numbers {
+                assert_eq!(number(&slave, name, *value), OK, "{}", slave.last_message());
+            }
+            let status = slave.enter(0.0, None).max(slave.exit());
+            (slave, status)
+        };
+        // Exact makes for goals at another height, which Bounded calls unreachable.
+        for (planner, status) in [(0, 5), (1, 5), (2, 3)] {
+            let (slave, started) = start(&[("plannerNumber", planner)]);
+            assert_eq!(started, OK);
+            assert_eq!(slave.set("goalPose.z", 1.1) + slave.step(0.0, 1e-3), OK);
+            assert_eq!(shown(&slave, "status"), status, "planner {planner}");
+            assert_eq!((shown(&slave, "statusNumber"), shown(&slave, "faultNumber")), (status, 1));
+        }
+        let (slave, started) = start(&[("plannerNumber", 2), ("planner", 2)]);
+        assert_eq!(started, OK, "{}", slave.last_message());
+        let (slave, started) = start(&[("plannerNumber", 1), ("planner", 2)]);
+        let message = slave.last_message();
+        assert!(started == ERROR && message.contains("plannerNumber = 1"), "{message}");
+        assert!(message.contains("planner = 2 says otherwise"), "{message}");
+        let (slave, started) = start(&[("poseSourceNumber", 3)]);
+        let message = slave.last_message();
+        assert!(started == ERROR && message.contains("must be 0 or from 1 to 2"), "{message}");
+    }
+}

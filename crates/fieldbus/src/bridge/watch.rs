@@ -135,7 +135,7 @@ impl Bridge {
         let wrong = (0..self.cables()).find(|i| !(0.0..=most(*i)).contains(&asked(*i)));
         match wrong {
             Some(i) => self.raise(Fault::ControllerOutput { cable: i + 1, tension: asked(i) }),
-            None if enable && outputs.status == Status::SensorFault => {
+            None if enable && matches!(outputs.status, Status::SensorFault | Status::WaitingForPose) => {
                 self.raise(Fault::ControllerSensorFault)
             }
             None => {}

@@ -5,6 +5,7 @@ mod rows;
 use super::Interface;
 use super::robot::{parameters, rig_with_limits, write_limits, write_rig, write_robot};
 use crate::values::Values;
+use crate::variables::{Kind, Row};
 use cable_robot::control::static_tensions;
 use cable_robot::plan::{
     Check, Controller, ControllerInputs, ControllerOutputs, ControllerParameters, Fault, PlannerKind,
@@ -21,7 +22,43 @@ pub fn start(interface: &Interface, values: &Values, time: f64) -> Result<Contro
     if interface.rig().is_none() {
         parameters(values).validate()?;
     }
+    check_numbers(interface, values)?;
     Controller::new(controller_parameters(interface, values), time, &inputs(values))
+}
+
+/// Enumerations, and the same as numbers.
+const NUMBERED: [(&Row, &Row); 2] = [(&PLANNER, &PLANNER_NUMBER), (&POSE_SOURCE, &POSE_SOURCE_NUMBER)];
+
+/// The number if it is set, or else the enumeration.
+fn numbered(values: &Values, (item, number): (&Row, &Row)) -> i32 {
+    match values.integer(number) {
+        0 => values.integer(item),
+        number => number,
+    }
+}
+
+/// A number is one of the enumeration's, and says no other than what that was set to.
+fn check_numbers(interface: &Interface, values: &Values) -> Result<(), ParameterError> {
+    for (item, number) in NUMBERED {
+        let (set, given, start) =
+            (values.integer(number), values.integer(item), interface.start().integer(item));
+        let Some(Kind::Enumeration(kind)) = interface.scalar(item.first).map(|scalar| scalar.row.kind) else {
+            continue;
+        };
+        let allowed = match set {
+            0 => continue,
+            set if !kind.has(set.into()) => {
+                let last = kind.first + kind.items.len() as i32 - 1;
+                format!("must be 0 or from {} to {last}", kind.first)
+            }
+            set if given != start && given != set => {
+                format!("{} = {given} says otherwise: leave one of them as it is", item.name)
+            }
+            _ => continue,
+        };
+        return Err(ParameterError { name: number.name.into(), value: set.into(), allowed: allowed.into() });
+    }
+    Ok(())
 }
 
 /// Rig, gains, planner and limits in `values`.
@@ -43,8 +80,8 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         planner_period: values.scalar(&PLANNER_PERIOD),
         bisection_steps: values.integer(&BISECTION_STEPS),
         // The table lets no other number in.
-        planner: PlannerKind::numbered(values.integer(&PLANNER)).unwrap_or(PlannerKind::Bounded),
-        pose_source: if values.integer(&POSE_SOURCE) == 2 {
+        planner: PlannerKind::numbered(numbered(values, NUMBERED[0])).unwrap_or(PlannerKind::Bounded),
+        pose_source: if numbered(values, NUMBERED[1]) == 2 {
             PoseSource::CableLengths
         } else {
             PoseSource::EncoderPose
@@ -87,8 +124,10 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&AT_GOAL, [outputs.at_goal.into()]);
     values.write(&TENSION_MARGIN, [outputs.tension_margin]);
     values.write(&STATUS, [f64::from(outputs.status as i32)]);
+    values.write(&STATUS_NUMBER, [f64::from(outputs.status as i32)]);
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
     values.write(&FAULT, [f64::from(outputs.fault.check as i32)]);
+    values.write(&FAULT_NUMBER, [f64::from(outputs.fault.check as i32)]);
     values.write(&FAULT_VALUE, [outputs.fault.value]);
     values.write(&FAULT_LIMIT, [outputs.fault.limit]);
     let [force, torque] = [0, 3].map(|k| outputs.disturbance.fixed_rows::<3>(k).into_owned());
@@ -106,6 +145,7 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&PLANNER, [f64::from(parameters.planner as i32)]);
     let cable_lengths = parameters.pose_source == PoseSource::CableLengths;
     values.write(&POSE_SOURCE, [if cable_lengths { 2.0 } else { 1.0 }]);
+    NUMBERED.iter().for_each(|(_, number)| values.write(number, [0.0]));
     values.write(&FORCE_LOOP, [parameters.force_loop.into()]);
     values.write(&POSITION_TOLERANCE, [parameters.position_tolerance]);
     values.write(&ANGLE_TOLERANCE, [parameters.angle_tolerance]);
@@ -220,6 +260,10 @@ mod tests {
             (&AT_GOAL, 1.0),
             (&STATUS, 5.0),
             (&FAULT, 4.0),
+            (&STATUS_NUMBER, 5.0),
+            (&FAULT_NUMBER, 4.0),
+            (&PLANNER_NUMBER, 0.0),
+            (&POSE_SOURCE_NUMBER, 0.0),
         ];
         let numbers = [(&PLANNER, 2.0), (&POSE_SOURCE, 2.0)];
         flags.iter().chain(&numbers).for_each(|(row, value)| values.put(row.first, *value));

@@ -55,8 +55,11 @@ pub const STATUS_TYPE: Enumeration = Enumeration {
         ("GoalUnreachable", "The goal cannot be had: the robot goes as far as is admissible and holds there"),
         (
             "SensorFault",
-            "The measured pose made no sense (see fault): the robot brakes from its last good state and gravity is held there until enable falls and rises, or, \
-             if no pose has made sense since the start, held until one does",
+            "The measured pose made no sense (see fault): the robot brakes from its last good state and gravity is held there until enable falls and rises",
+        ),
+        (
+            "WaitingForPose",
+            "No pose has made sense since the start (see fault): gravity is held where the robot was said to be until one does",
         ),
     ],
 };
@@ -66,7 +69,7 @@ pub const FAULT_TYPE: Enumeration = Enumeration {
     first: 1,
     items: &[
         ("None", "None failed"),
-        ("NotSet", "The first encoderPose was zero in all six coordinates, as if never set"),
+        ("NotSet", "encoderPose was zero in all six coordinates from the first step on, as if never set"),
         (
             "AboveAnchors",
             "Every anchor lies below its attachment; faultValue: height of the highest above it",
@@ -269,6 +272,28 @@ pub const LARGEST_STEP: Row = Row {
         "Longest communication step, longer ones are discarded; 0 for any: the planner Exact then reckons with the longer of the last two",
     )
 };
+pub const PLANNER_NUMBER: Row = Row {
+    min: Some(0.0),
+    max: Some(PlannerKind::ALL.len() as f64),
+    ..setting(
+        30,
+        "plannerNumber",
+        Kind::Int32,
+        &[0.0],
+        "planner, for importers that know no enumerations; 0: as planner says",
+    )
+};
+pub const POSE_SOURCE_NUMBER: Row = Row {
+    min: Some(0.0),
+    max: Some(2.0),
+    ..setting(
+        31,
+        "poseSourceNumber",
+        Kind::Int32,
+        &[0.0],
+        "poseSource, for importers that know no enumerations; 0: as poseSource says",
+    )
+};
 pub const ENCODER_POSE: Row = input(
     100,
     "encoderPose",
@@ -420,7 +445,14 @@ pub const STATUS: Row = Row {
 pub const FAULT: Row = Row {
     kind: Kind::Enumeration(&FAULT_TYPE),
     variability: Variability::Discrete,
-    ..output(230, "fault", Shape::Scalar, None, MODE, "Why the status is SensorFault: the check that failed")
+    ..output(
+        230,
+        "fault",
+        Shape::Scalar,
+        None,
+        MODE,
+        "Why the status is SensorFault or WaitingForPose: the check that failed",
+    )
 };
 pub const FAULT_VALUE: Row = Row {
     variability: Variability::Discrete,
@@ -456,6 +488,24 @@ pub const ESTIMATED_MASS: Row = output(
     "Mass of the platform if the estimated force is weight: of use at rest",
 );
 
+pub const STATUS_NUMBER: Row = Row {
+    kind: Kind::Int32,
+    variability: Variability::Discrete,
+    ..output(
+        240,
+        "statusNumber",
+        Shape::Scalar,
+        None,
+        MODE_AND_GOAL,
+        "status, for importers that know no enumerations",
+    )
+};
+pub const FAULT_NUMBER: Row = Row {
+    kind: Kind::Int32,
+    variability: Variability::Discrete,
+    ..output(241, "faultNumber", Shape::Scalar, None, MODE, "fault, for importers that know no enumerations")
+};
+
 /// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
     &TIME,
@@ -488,6 +538,8 @@ pub const ROWS: &[&Row] = &[
     &MAX_ANGULAR_RATE,
     &MAX_CABLE_SPEED,
     &LARGEST_STEP,
+    &PLANNER_NUMBER,
+    &POSE_SOURCE_NUMBER,
     &ENCODER_POSE,
     &CABLE_LENGTH,
     &MEASURED_TENSION,
@@ -509,6 +561,8 @@ pub const ROWS: &[&Row] = &[
     &DISTURBANCE_FORCE,
     &DISTURBANCE_TORQUE,
     &ESTIMATED_MASS,
+    &STATUS_NUMBER,
+    &FAULT_NUMBER,
 ];
 
 /// The table of another rig.
