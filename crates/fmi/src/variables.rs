@@ -115,6 +115,8 @@ pub struct Unit {
     pub name: &'static str,
     /// Exponents of the base units that are not zero.
     pub base: &'static [(&'static str, i32)],
+    /// What it is the unit of.
+    pub quantity: &'static str,
     /// What a person rather reads, and what one unit is in it.
     pub display: Option<(&'static str, f64)>,
 }
@@ -125,33 +127,35 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 pub mod units {
     use super::{DEGREES, Unit};
 
-    const fn unit(name: &'static str, base: &'static [(&'static str, i32)]) -> Unit {
-        Unit { name, base, display: None }
+    const fn unit(quantity: &'static str, name: &'static str, base: &'static [(&'static str, i32)]) -> Unit {
+        Unit { name, base, quantity, display: None }
     }
 
     /// Time.
-    pub const SECOND: Unit = unit("s", &[("s", 1)]);
+    pub const SECOND: Unit = unit("Time", "s", &[("s", 1)]);
     /// Rate.
-    pub const PER_SECOND: Unit = unit("1/s", &[("s", -1)]);
+    pub const PER_SECOND: Unit = unit("Rate", "1/s", &[("s", -1)]);
     /// Length.
-    pub const METRE: Unit = unit("m", &[("m", 1)]);
+    pub const METRE: Unit = unit("Length", "m", &[("m", 1)]);
     /// Speed.
-    pub const METRE_PER_SECOND: Unit = unit("m/s", &[("m", 1), ("s", -1)]);
+    pub const METRE_PER_SECOND: Unit = unit("Velocity", "m/s", &[("m", 1), ("s", -1)]);
     /// Acceleration.
-    pub const METRE_PER_SECOND2: Unit = unit("m/s2", &[("m", 1), ("s", -2)]);
+    pub const METRE_PER_SECOND2: Unit = unit("Acceleration", "m/s2", &[("m", 1), ("s", -2)]);
     /// Angle.
-    pub const RADIAN: Unit = Unit { display: Some(("deg", DEGREES)), ..unit("rad", &[("rad", 1)]) };
+    pub const RADIAN: Unit = Unit { display: Some(("deg", DEGREES)), ..unit("Angle", "rad", &[("rad", 1)]) };
     /// Angular speed.
-    pub const RADIAN_PER_SECOND: Unit =
-        Unit { display: Some(("deg/s", DEGREES)), ..unit("rad/s", &[("s", -1), ("rad", 1)]) };
+    pub const RADIAN_PER_SECOND: Unit = Unit {
+        display: Some(("deg/s", DEGREES)),
+        ..unit("AngularVelocity", "rad/s", &[("s", -1), ("rad", 1)])
+    };
     /// Mass.
-    pub const KILOGRAM: Unit = unit("kg", &[("kg", 1)]);
+    pub const KILOGRAM: Unit = unit("Mass", "kg", &[("kg", 1)]);
     /// Moment of inertia.
-    pub const KILOGRAM_METRE2: Unit = unit("kg.m2", &[("kg", 1), ("m", 2)]);
+    pub const KILOGRAM_METRE2: Unit = unit("MomentOfInertia", "kg.m2", &[("kg", 1), ("m", 2)]);
     /// Force.
-    pub const NEWTON: Unit = unit("N", &[("kg", 1), ("m", 1), ("s", -2)]);
+    pub const NEWTON: Unit = unit("Force", "N", &[("kg", 1), ("m", 1), ("s", -2)]);
     /// Torque.
-    pub const NEWTON_METRE: Unit = unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]);
+    pub const NEWTON_METRE: Unit = unit("Torque", "N.m", &[("kg", 1), ("m", 2), ("s", -2)]);
 }
 
 /// A real parameter, fixed once the simulation runs.

@@ -4,11 +4,11 @@ use std::io;
 
 use super::Version;
 use super::xml::{
-    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
-    kind_of, leaf, node, units,
+    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items, leaf,
+    measure, node, range, units,
 };
 use crate::models::{Interface, Scalar};
-use crate::variables::Causality;
+use crate::variables::{Causality, Kind};
 
 /// The XML of a model for a rig.
 pub fn model_description(interface: &Interface) -> String {
@@ -67,7 +67,12 @@ fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         listed(interface).try_for_each(|scalar| {
             let element = Version::Fmi2.type_name(scalar.row.kind);
             node(xml, "ScalarVariable", &identity(&scalar), |xml| {
-                leaf(xml, element, &kind_of(interface, &scalar))
+                let declared = match scalar.row.kind {
+                    Kind::Enumeration(kind) => vec![is("declaredType", kind.name)],
+                    _ => vec![],
+                };
+                let measure = measure(scalar.row.unit_of(scalar.position), scalar.row.nominal);
+                leaf(xml, element, &[declared, measure, range(interface, &scalar)].concat())
             })
         })
     })

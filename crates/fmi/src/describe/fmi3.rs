@@ -1,13 +1,14 @@
 //! modelDescription.xml and the icon's place in FMI 3.0.
 
+use std::collections::BTreeMap;
 use std::io;
 
 use super::xml::{
-    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items,
-    kind_of, leaf, node, units,
+    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items, leaf,
+    measure, node, range, units,
 };
 use crate::models::{Interface, Scalar};
-use crate::variables::Causality;
+use crate::variables::{Causality, Kind};
 
 /// The XML of a model for a rig.
 pub fn model_description(interface: &Interface) -> String {
@@ -60,12 +61,28 @@ fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     leaf(xml, "CoSimulation", &attributes)
 }
 
+/// The type that carries unit and nominal of a scalar, if it has any; some readers know them in types only.
+fn type_name(scalar: &Scalar) -> Option<String> {
+    let quantity = scalar.row.unit_of(scalar.position).map(|unit| unit.quantity);
+    match (quantity, scalar.row.nominal) {
+        (None, None) => None,
+        (quantity, None) => quantity.map(str::to_owned),
+        (quantity, Some(nominal)) => Some(format!("{}_{nominal}", quantity.unwrap_or("Number"))),
+    }
+}
+
 fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let kinds = enumerations(interface);
-    if kinds.is_empty() {
-        return Ok(());
+    let mut named = BTreeMap::new();
+    for scalar in interface.scalars() {
+        if let Some(name) = type_name(&scalar) {
+            named.insert(name, measure(scalar.row.unit_of(scalar.position), scalar.row.nominal));
+        }
     }
     node(xml, "TypeDefinitions", &[], |xml| {
+        named.into_iter().try_for_each(|(name, measure)| {
+            leaf(xml, "Float64Type", &[vec![("name", Some(name))], measure].concat())
+        })?;
         kinds.iter().try_for_each(|kind| {
             // No description: fmpy 0.3.12 to 0.3.23 cannot read one here.
             node(xml, "EnumerationType", &[is("name", kind.name)], |xml| items(xml, kind))
@@ -76,7 +93,12 @@ fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
 fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
         interface.scalars().try_for_each(|scalar| {
-            let attributes = [identity(&scalar), kind_of(interface, &scalar)].concat();
+            let declared = match scalar.row.kind {
+                Kind::Enumeration(kind) => Some(kind.name.to_owned()),
+                _ => type_name(&scalar),
+            };
+            let attributes =
+                [identity(&scalar), vec![("declaredType", declared)], range(interface, &scalar)].concat();
             leaf(xml, scalar.row.kind.name(), &attributes)
         })
     })

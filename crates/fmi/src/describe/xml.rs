@@ -130,21 +130,22 @@ pub fn identity(scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
     ]
 }
 
-/// Type, unit, range and start of a scalar.
-pub fn kind_of(interface: &Interface, scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
-    let row = scalar.row;
-    let unit = row.unit_of(scalar.position);
-    let declared_type = match row.kind {
-        Kind::Enumeration(kind) => Some(kind.name.to_owned()),
-        _ => None,
-    };
+/// Unit, quantity and nominal of reals; FMI 3's readers look for them in types.
+pub fn measure(unit: Option<&Unit>, nominal: Option<f64>) -> Vec<(&'static str, Option<String>)> {
     vec![
-        ("declaredType", declared_type),
+        ("quantity", unit.map(|unit| unit.quantity.to_owned())),
         ("unit", unit.map(|unit| unit.name.to_owned())),
         ("displayUnit", unit.and_then(|unit| unit.display).map(|(name, _)| name.to_owned())),
+        ("nominal", nominal.map(|nominal| nominal.to_string())),
+    ]
+}
+
+/// Range and start of a scalar.
+pub fn range(interface: &Interface, scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
+    let row = scalar.row;
+    vec![
         ("min", row.min.map(|min| if min == ABOVE_ZERO { format!("{min:e}") } else { min.to_string() })),
         ("max", row.max.map(|max| max.to_string())),
-        ("nominal", row.nominal.map(|nominal| nominal.to_string())),
         ("start", interface.start_of(scalar).map(|start| number(row, start))),
     ]
 }
