@@ -14,13 +14,22 @@ PROGRAM = ROOT / "target" / "debug" / "cable-robot"
 CABLES = range(1, 9)
 
 
+def packed(folder, *options):
+    command = [PROGRAM, "fmu", "--rig", ROOT / "rigs/eight.toml", "--output", folder, "--library", ROOT / "target/fmu", *options]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """The FMUs of the rig of eight cables."""
-    folder = tmp_path_factory.mktemp("eight")
-    options = ["fmu", "--rig", str(ROOT / "rigs" / "eight.toml"), "--output", str(folder), "--library", str(ROOT / "target" / "fmu")]
-    subprocess.run([PROGRAM, *options], check=True, capture_output=True)
-    return folder
+    return packed(tmp_path_factory.mktemp("eight"))
+
+
+@pytest.fixture(scope="module")
+def in_reals(tmp_path_factory):
+    """The same for importers that take every variable for a real."""
+    return packed(tmp_path_factory.mktemp("reals"), "--reals")
 
 
 def names(prefix):
@@ -85,3 +94,27 @@ def test_a_step_with_the_anchors_of_another_rig_is_another(folder, version):
         return controller.get(names("motorTension"))
 
     assert np.abs(tensions(0.0) - tensions(-0.05)).max() > 0.1
+
+
+def test_in_reals_everything_is_a_real_and_the_steps_are_the_same(folder, in_reals, version, model):
+    usual, real = (Slave(root / f"fmi{version}" / f"{model}.fmu") for root in (folder, in_reals))
+    assert validate_fmu(real.path) == []
+    assert list(real.variables) == list(usual.variables)
+    assert {variable.type for variable in real.variables.values()} == {"Float64" if version == 3 else "Real"}
+    for slave in (usual, real):
+        slave.initialize()
+        for _ in range(50):
+            slave.step(1e-3)
+    for name in usual.variables:
+        assert real[name] == float(usual[name]), name
+
+
+def test_a_real_that_stands_for_something_else_takes_only_what_that_takes(in_reals, version):
+    path = in_reals / f"fmi{version}" / "CableRobotController.fmu"
+    for name, wrong, allowed in [
+        ("enable", 0.5, "0 (false) or 1 (true)"), ("bisectionSteps", 7.5, "a whole number"), ("planner", 3.0, "2 (Exact)")
+    ]:
+        slave = Slave(path)
+        with pytest.raises(Exception):
+            slave[name] = wrong
+        assert name in slave.messages[-1][2] and allowed in slave.messages[-1][2]

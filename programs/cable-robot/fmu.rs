@@ -28,6 +28,9 @@ pub struct Fmu {
     /// Folder of the FMUs of the paper's rig, fmi2 and fmi3 in it; without it where the program lies or `cargo fmu build` packs them
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     library: Option<PathBuf>,
+    /// Shows importers reals only, for those that know nothing else: Booleans as 0 or 1, enumerations as numbers
+    #[arg(long)]
+    reals: bool,
     /// Prints the paths for machines
     #[arg(long)]
     json: bool,
@@ -35,7 +38,7 @@ pub struct Fmu {
 
 impl Fmu {
     pub fn run(&self) -> Result<Outcome> {
-        let paths = pack(&self.rig, &self.output, &library_folder(self.library.as_deref())?)?;
+        let paths = pack(&self.rig, self.reals, &self.output, &library_folder(self.library.as_deref())?)?;
         if self.json {
             print_json(&json!({ "fmus": paths }))?;
         } else {
@@ -67,8 +70,8 @@ fn path_of(folder: &Path, model: Model, version: Version) -> PathBuf {
     folder.join(version.name()).join(model.identifier()).with_extension("fmu")
 }
 
-/// Packs both models in both versions for the rig of a file; their paths.
-pub fn pack(rig: &Path, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
+/// Packs both models in both versions for the rig of a file, with `reals` only if that is asked for; their paths.
+pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
     let text = read_text(rig).with_context(|| format!("cannot read {}", rig.display()))?;
     let file = RigFile::parse(&text).with_context(|| rig.display().to_string())?;
     let mut paths = vec![];
@@ -82,7 +85,10 @@ pub fn pack(rig: &Path, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
                 "{} is of another version of cable-robot: its library would not know the rig",
                 from.display()
             );
-            let interface = Interface::of_rig(model, &file);
+            let mut interface = Interface::of_rig(model, &file);
+            if reals {
+                interface = interface.with_reals_only();
+            }
             let path = path_of(output, model, version);
             archive::write(&path, &archive::contents(&interface, version, &libraries, Some(&text)))
                 .with_context(|| format!("cannot write {}", path.display()))?;

@@ -84,7 +84,9 @@ impl FmiError {
                 let items = kind.numbered().map(|(number, name, _)| format!("{number} ({name})"));
                 items.collect::<Vec<_>>().join(", ")
             }
-            _ => "a finite number".to_owned(),
+            Kind::Float64 => "a finite number".to_owned(),
+            Kind::Int32 => "a whole number".to_owned(),
+            Kind::Boolean => "0 (false) or 1 (true)".to_owned(),
         };
         Self::BadValue { name: scalar.name(), value, allowed }
     }

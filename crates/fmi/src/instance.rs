@@ -254,10 +254,11 @@ impl Instance {
             model,
             reference,
         })?;
-        if handles(scalar.row.kind) {
+        let kind = self.interface.kind(scalar.row);
+        if handles(kind) {
             return Ok(scalar);
         }
-        Err(FmiError::WrongType { function, name: scalar.name(), reference, kind: scalar.row.kind.name() })
+        Err(FmiError::WrongType { function, name: scalar.name(), reference, kind: kind.name() })
     }
 
     fn calculate_outputs(&mut self, scalar: &Scalar) -> Result<(), FmiError> {
@@ -313,12 +314,14 @@ impl Instance {
     }
 }
 
-/// Numbers are finite always; enumerations have an item for them. Ranges of parameters are checked by the model when
+/// Numbers are finite always, integers whole, Booleans 0 or 1 (where reals stand for them); enumerations have an item for them. Ranges of parameters are checked by the model when
 /// initialisation ends, since they may be set in any order.
 fn check_value(scalar: &Scalar, value: f64) -> Result<(), FmiError> {
     match scalar.row.kind {
         Kind::Enumeration(kind) if kind.has(value) => Ok(()),
-        Kind::Float64 | Kind::Int32 | Kind::Boolean if value.is_finite() => Ok(()),
+        Kind::Float64 if value.is_finite() => Ok(()),
+        Kind::Int32 if f64::from(value as i32) == value => Ok(()),
+        Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
         _ => Err(FmiError::bad_value(scalar, value)),
     }
 }

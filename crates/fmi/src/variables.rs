@@ -301,6 +301,11 @@ impl Enumeration {
         (self.first..).zip(self.items).map(|(number, (name, meaning))| (number, *name, *meaning))
     }
 
+    /// Numbers of the first and the last item.
+    pub fn bounds(&self) -> [f64; 2] {
+        [f64::from(self.first), f64::from(self.first) + self.items.len() as f64 - 1.0]
+    }
+
     /// Whether an item has this number.
     pub fn has(&self, number: f64) -> bool {
         self.numbered().any(|(known, ..)| f64::from(known) == number)

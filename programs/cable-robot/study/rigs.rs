@@ -126,7 +126,7 @@ impl Rigs {
 
     fn drive(&self, path: &Path, file: &RigFile, library: &Path, progress: &Progress) -> Result<Driven> {
         let folder = tempfile::tempdir()?;
-        pack(path, folder.path(), library)?;
+        pack(path, false, folder.path(), library)?;
         let open = |name: &str| Fmu::open(folder.path().join("fmi3").join(name).with_extension("fmu"));
         let fmus = [open("CableRobotController")?, open("CableRobotPlant")?];
         let slice = Slice { rig: &file.rig, height: file.home.0[2], angles: Vector3::zeros() };

@@ -65,9 +65,10 @@ fn listed(interface: &Interface) -> impl Iterator<Item = Scalar> {
 fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
         listed(interface).try_for_each(|scalar| {
-            let element = Version::Fmi2.type_name(scalar.row.kind);
+            let kind = interface.kind(scalar.row);
+            let element = Version::Fmi2.type_name(kind);
             node(xml, "ScalarVariable", &identity(&scalar), |xml| {
-                let declared = match scalar.row.kind {
+                let declared = match kind {
                     Kind::Enumeration(kind) => vec![is("declaredType", kind.name)],
                     _ => vec![],
                 };

@@ -93,13 +93,14 @@ fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
 fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
         interface.scalars().try_for_each(|scalar| {
-            let declared = match scalar.row.kind {
+            let kind = interface.kind(scalar.row);
+            let declared = match kind {
                 Kind::Enumeration(kind) => Some(kind.name.to_owned()),
                 _ => type_name(&scalar),
             };
             let attributes =
                 [identity(&scalar), vec![("declaredType", declared)], range(interface, &scalar)].concat();
-            leaf(xml, scalar.row.kind.name(), &attributes)
+            leaf(xml, kind.name(), &attributes)
         })
     })
 }

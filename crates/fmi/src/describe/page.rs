@@ -113,7 +113,7 @@ fn table_row(interface: &Interface, version: Version, row: &'static Row) -> Stri
     format!(
         "<tr><td><code>{name}</code> <small>{suffixes}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{range}</td>\
          <td>{span}</td><td>{}</td></tr>\n",
-        version.type_name(row.kind),
+        version.type_name(interface.kind(row)),
         units(interface, row),
         start(interface, row),
         escape(row.description)
@@ -134,7 +134,7 @@ fn start(interface: &Interface, row: &'static Row) -> String {
         values.truncate(1);
     }
     let rounded = values.into_iter().map(|value| (value * 1e4).round() / 1e4);
-    rounded.map(|value| xml::number(row, value)).collect::<Vec<_>>().join(", ")
+    rounded.map(|value| xml::number(interface.kind(row), value)).collect::<Vec<_>>().join(", ")
 }
 
 fn statuses(interface: &Interface) -> String {

@@ -91,7 +91,7 @@ pub fn units(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
 
 /// The enumeration types in use.
 pub fn enumerations(interface: &Interface) -> Vec<&'static Enumeration> {
-    let kinds = interface.rows().iter().map(|row| row.kind);
+    let kinds = interface.rows().iter().map(|row| interface.kind(row));
     kinds.filter_map(|kind| if let Kind::Enumeration(kind) = kind { Some(kind) } else { None }).collect()
 }
 
@@ -143,16 +143,24 @@ pub fn measure(unit: Option<&Unit>, nominal: Option<f64>) -> Vec<(&'static str, 
 /// Range and start of a scalar.
 pub fn range(interface: &Interface, scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
     let row = scalar.row;
+    let kind = interface.kind(row);
+    // Of reals that stand for something else.
+    let [first, last] = match (row.kind, kind) {
+        (Kind::Boolean, Kind::Float64) => [Some(0.0), Some(1.0)],
+        (Kind::Enumeration(items), Kind::Float64) => items.bounds().map(Some),
+        _ => [None, None],
+    };
+    let least = |min: f64| if min == ABOVE_ZERO { format!("{min:e}") } else { min.to_string() };
     vec![
-        ("min", row.min.map(|min| if min == ABOVE_ZERO { format!("{min:e}") } else { min.to_string() })),
-        ("max", row.max.map(|max| max.to_string())),
-        ("start", interface.start_of(scalar).map(|start| number(row, start))),
+        ("min", row.min.or(first).map(least)),
+        ("max", row.max.or(last).map(|max| max.to_string())),
+        ("start", interface.start_of(scalar).map(|start| number(kind, start))),
     ]
 }
 
 /// A value as the XML has it.
-pub fn number(row: &Row, value: f64) -> String {
-    match row.kind {
+pub fn number(kind: Kind, value: f64) -> String {
+    match kind {
         Kind::Boolean => (value != 0.0).to_string(),
         _ if value.abs() >= 1e15 => format!("{value:e}"),
         _ => value.to_string(),

@@ -48,8 +48,8 @@ fn check_numbers(interface: &Interface, values: &Values) -> Result<(), Parameter
         let allowed = match set {
             0 => continue,
             set if !kind.has(set.into()) => {
-                let last = kind.first + kind.items.len() as i32 - 1;
-                format!("must be 0 or from {} to {last}", kind.first)
+                let [first, last] = kind.bounds();
+                format!("must be 0 or from {first} to {last}")
             }
             set if given != start && given != set => {
                 format!("{} = {given} says otherwise: leave one of them as it is", item.name)

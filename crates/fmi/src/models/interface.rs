@@ -6,7 +6,7 @@ use super::robot::{parameters, rig, rig_with_limits};
 use super::{Model, Running, controller, plant};
 use crate::error::FmiError;
 use crate::values::Values;
-use crate::variables::{Causality, Row};
+use crate::variables::{Causality, Kind, Row};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{Rig, RigFile, RobotParameters};
 
@@ -22,6 +22,8 @@ pub struct Interface {
     start: Values,
     /// Row and position of each value reference.
     places: Vec<Option<(usize, usize)>>,
+    /// Whether importers are shown reals only.
+    is_real: bool,
     token: String,
 }
 
@@ -104,7 +106,19 @@ impl Interface {
         let of_rig = rig.map(|rig| format!("{name} {rig:?} {start:?}")).unwrap_or_default();
         let table = format!("{} {} {rows:?}{of_rig}", model.identifier(), env!("CARGO_PKG_VERSION"));
         let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string();
-        Self { model, rows, rig, name, cables, start, places, token }
+        Self { model, rows, rig, name, cables, start, places, is_real: false, token }
+    }
+
+    /// The same for importers that take every variable for a real: Booleans are 0 or 1, enumerations their numbers.
+    #[must_use]
+    pub fn with_reals_only(self) -> Self {
+        let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, format!("{} in reals", self.token).as_bytes());
+        Self { is_real: true, token: token.to_string(), ..self }
+    }
+
+    /// The type that importers are shown of a row.
+    pub fn kind(&self, row: &Row) -> Kind {
+        if self.is_real { Kind::Float64 } else { row.kind }
     }
 
     /// Which model it is.
