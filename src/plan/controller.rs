@@ -9,6 +9,7 @@ use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use super::stop::Stop;
+use super::tuning::{Pending, Tuning};
 use crate::control::estimator::SETTLING;
 use crate::control::{Commands, DelayWatch, Estimator, ForceLoop, Response, lyapunov, static_tensions};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, dynamics};
@@ -53,6 +54,8 @@ pub struct Controller {
     aimed_for: Option<Pose>,
     /// The search for where to make for instead of a new goal.
     search: Option<Search>,
+    /// What was tuned and does not act yet.
+    wanted: Option<Tuning>,
     outputs: ControllerOutputs,
 }
 
@@ -103,6 +106,7 @@ impl Controller {
             aim: inputs.goal_pose,
             aimed_for: None,
             search: None,
+            wanted: None,
             outputs,
         };
         controller.begin(inputs);
@@ -124,8 +128,10 @@ impl Controller {
         self.is_fresh = false;
         self.unset =
             if inputs.encoder_pose.0 == Coordinates::zeros() { self.unset.saturating_sub(1) } else { 0 };
-        if self.mode == Mode::Active {
-            self.plan(&inputs.goal_pose);
+        match self.mode {
+            Mode::Active => self.plan(&inputs.goal_pose),
+            Mode::Disabled | Mode::Waiting(_) => self.take_tuning(|_, _| true),
+            Mode::Faulted(_) => {}
         }
         self.act(inputs, dt);
     }
@@ -147,6 +153,39 @@ impl Controller {
     /// The parameters it was started with.
     pub fn parameters(&self) -> &ControllerParameters {
         &self.planner.parameters
+    }
+
+    /// What may change while it runs, as it was tuned last.
+    pub fn tuning(&self) -> Tuning {
+        self.wanted.unwrap_or_else(|| self.planner.parameters.tuning())
+    }
+
+    /// Changes gains, limits and tolerances: with the next step while no motion is planned, else at the first decision of the planner at which the motion under way
+    /// is proved to go on with them ([`Pending`]). Until then it goes on as before.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for what makes no sense; then all stays as it was.
+    pub fn tune(&mut self, tuning: &Tuning) -> Result<(), ParameterError> {
+        self.planner.parameters.tuned(tuning).validate()?;
+        self.wanted = (*tuning != self.planner.parameters.tuning()).then_some(*tuning);
+        self.outputs.pending = if self.wanted.is_some() { Pending::Undecided } else { Pending::No };
+        Ok(())
+    }
+
+    /// Takes over what was tuned, if the planner with it `can_go_on`.
+    fn take_tuning(&mut self, can_go_on: impl FnOnce(&Planner, &Situation) -> bool) {
+        let Some(tuning) = self.wanted else { return };
+        let planner = Planner::from(self.planner.parameters.tuned(&tuning));
+        let (pose, rates) = self.when_it_begins_to_act();
+        let then = Situation { pose: &pose, rates: &rates, rest: planner.rest, ..self.situation() };
+        if can_go_on(&planner, &then) {
+            self.planner = planner;
+            // Where it made for followed from the limits before.
+            (self.wanted, self.search, self.aimed_for) = (None, None, None);
+            self.outputs.pending = Pending::No;
+        } else {
+            self.outputs.pending = Pending::NotProved;
+        }
     }
 
     /// How much later than `commandDelay` commands act, s, once measurements have shown that; less than 0 if earlier.
@@ -290,6 +329,7 @@ impl Controller {
             return;
         }
         self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
+        self.take_tuning(Planner::can_go_on);
         let set_point = self.outputs.set_point;
         let goal = &self.take_goal(goal);
         // A new set point changes the motion only from where its first command acts.

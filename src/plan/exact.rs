@@ -23,7 +23,7 @@ const SPARE_COMPENSATED: f64 = 0.25;
 const GRIDS: usize = 3;
 
 /// What a robot that rests with less than the allowance may keep of it, as a part of what is left.
-const LEFT: f64 = 0.9;
+pub(super) const LEFT: f64 = 0.9;
 
 impl Planner {
     /// The tension that is left unused at rest in every cable beside the limits, N.

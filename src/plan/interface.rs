@@ -4,6 +4,7 @@ use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
+use super::tuning::Pending;
 use crate::control::{DisturbanceObserver, Gains};
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
@@ -293,6 +294,8 @@ pub struct ControllerOutputs {
     pub status: Status,
     /// Why, if that is `SensorFault` or `WaitingForPose`.
     pub fault: Fault,
+    /// Whether what was tuned last acts.
+    pub pending: Pending,
 }
 
 impl ControllerOutputs {
@@ -312,6 +315,7 @@ impl ControllerOutputs {
             estimated_mass: 0.0,
             status: Status::Disabled,
             fault: Fault::NONE,
+            pending: Pending::No,
         }
     }
 }

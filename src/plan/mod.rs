@@ -20,6 +20,7 @@ pub mod sequence;
 mod speed;
 mod stop;
 mod tangents;
+mod tuning;
 
 pub use controller::Controller;
 pub use fault::{Check, Fault};
@@ -28,3 +29,4 @@ pub use interface::{
     Rest, Status,
 };
 pub use planner::Planner;
+pub use tuning::{Pending, Tuning};

@@ -25,7 +25,7 @@ impl Planner {
     }
 
     /// Whether the closed form from the present state keeps the limits of speeds.
-    fn keeps_speeds(&self, now: &Situation, set_point: &Pose) -> bool {
+    pub(super) fn keeps_speeds(&self, now: &Situation, set_point: &Pose) -> bool {
         let parameters = &self.parameters;
         let (speed, spin) = (parameters.max_speed, parameters.max_angular_rate);
         let cable = parameters.max_cable_speed;

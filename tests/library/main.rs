@@ -21,4 +21,5 @@ mod random_rigs;
 mod recognised_rigs;
 mod speeds;
 mod stops;
+mod tuning;
 mod worst_case;

@@ -102,7 +102,7 @@ impl Instance {
         let Some(mut running) = self.now.running.clone() else {
             return Err(FmiError::State("it is in Step Mode but was never initialised".to_owned()));
         };
-        running.step(&self.now.values, point, h)?;
+        running.step(&self.interface, &self.now.values, point, h)?;
         let before = self.log.is_enabled(Category::Events).then(|| self.now.values.clone());
         running.write_outputs(&mut self.now.values);
         let fault = self.now.running.as_ref().and_then(Running::fault).map(|fault| fault.check);
@@ -278,6 +278,7 @@ impl Instance {
         let allowed = match scalar.row.causality {
             Causality::Input => return Ok(()),
             Causality::Parameter if state != State::StepMode => return Ok(()),
+            Causality::Parameter if scalar.row.variability == Variability::Tunable => return Ok(()),
             Causality::Parameter => "it is a fixed parameter, to be set before initialisation ends",
             Causality::Output => "it is an output",
             Causality::Independent => "time advances with doStep only",

@@ -99,6 +99,8 @@ pub enum Causality {
 pub enum Variability {
     /// Not after initialisation.
     Fixed,
+    /// Between two steps.
+    Tunable,
     /// In jumps.
     Discrete,
     /// At any time.
@@ -341,6 +343,7 @@ impl Variability {
     pub fn name(self) -> &'static str {
         match self {
             Variability::Fixed => "fixed",
+            Variability::Tunable => "tunable",
             Variability::Discrete => "discrete",
             Variability::Continuous => "continuous",
         }

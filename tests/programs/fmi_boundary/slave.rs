@@ -232,6 +232,19 @@ impl Slave {
         }
     }
 
+    /// Of an integer or an enumeration.
+    pub fn get_number(&self, name: &str) -> i32 {
+        let (reference, mut value) = (self.reference(name), 0);
+        let status = unsafe {
+            match self.fmi {
+                Two => fmi2GetInteger(self.instance, &reference, 1, &mut value),
+                Three => fmi3GetInt32(self.instance, &reference, 1, &mut value, 1),
+            }
+        };
+        assert_eq!(status, OK, "{}", self.last_message());
+        value
+    }
+
     pub fn get_enumeration(&self, name: &str) -> i64 {
         let (reference, mut int, mut long) = (self.reference(name), 0, 0);
         let status = unsafe {

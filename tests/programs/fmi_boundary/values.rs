@@ -240,16 +240,16 @@ fn parameters_that_make_no_sense_are_named_and_can_be_mended() {
 fn a_fixed_parameter_may_be_written_again_with_the_value_it_has() {
     for fmi in BOTH {
         let slave = Slave::logging(fmi, Model::Controller, true);
-        assert_eq!(slave.set("lambda", 4.0), OK);
+        assert_eq!(slave.set("m", 5.0), OK);
         assert_eq!(slave.enter(0.0, None) + slave.exit(), OK);
         slave.take_messages();
         for k in 0..3 {
-            assert_eq!(slave.set("lambda", 4.0) + slave.step(1e-3 * f64::from(k), 1e-3), OK);
+            assert_eq!(slave.set("m", 5.0) + slave.step(1e-3 * f64::from(k), 1e-3), OK);
         }
         let messages = slave.take_messages();
-        let said = messages.iter().filter(|(_, _, text)| text.contains("lambda was written again")).count();
+        let said = messages.iter().filter(|(_, _, text)| text.contains("m was written again")).count();
         assert_eq!(said, 1, "{messages:?}");
-        assert_eq!(slave.set("lambda", 5.0), ERROR);
+        assert_eq!(slave.set("m", 6.0), ERROR);
         assert!(slave.last_message().contains("fixed parameter"), "{}", slave.last_message());
     }
 }
@@ -283,17 +283,6 @@ fn enumerations_can_be_had_as_numbers() {
             }
         }
     };
-    let shown = |slave: &Slave, name: &str| {
-        let (reference, mut value) = (slave.reference(name), 0);
-        let status = unsafe {
-            match slave.fmi {
-                Two => fmi2GetInteger(slave.instance, &reference, 1, &mut value),
-                Three => fmi3GetInt32(slave.instance, &reference, 1, &mut value, 1),
-            }
-        };
-        assert_eq!(status, OK, "{}", slave.last_message());
-        value
-    };
     for fmi in BOTH {
         let start = |numbers: &[(&str, i32)]| {
             let slave = Slave::new(fmi, Model::Controller);
@@ -308,8 +297,8 @@ fn enumerations_can_be_had_as_numbers() {
             let (slave, started) = start(&[("plannerNumber", planner)]);
             assert_eq!(started, OK);
             assert_eq!(slave.set("goalPose.z", 1.1) + slave.step(0.0, 1e-3), OK);
-            assert_eq!(shown(&slave, "status"), status, "planner {planner}");
-            assert_eq!((shown(&slave, "statusNumber"), shown(&slave, "faultNumber")), (status, 1));
+            assert_eq!(slave.get_number("status"), status, "planner {planner}");
+            assert_eq!((slave.get_number("statusNumber"), slave.get_number("faultNumber")), (status, 1));
         }
         let (slave, started) = start(&[("plannerNumber", 2), ("planner", 2)]);
         assert_eq!(started, OK, "{}", slave.last_message());
@@ -320,5 +309,36 @@ fn enumerations_can_be_had_as_numbers() {
         let (slave, started) = start(&[("poseSourceNumber", 3)]);
         let message = slave.last_message();
         assert!(started == ERROR && message.contains("must be 0 or from 1 to 2"), "{message}");
+    }
+}
+
+/// Gains and limits were fixed for good once a simulation ran.
+#[test]
+fn gains_and_limits_change_between_steps_and_mass_does_not() {
+    for fmi in BOTH {
+        let slave = Slave::new(fmi, Model::Controller);
+        assert_eq!(slave.set_enumeration("planner", 2) + slave.enter(0.0, None) + slave.exit(), OK);
+        let pending = || slave.get_number("parametersPending");
+        assert_eq!(slave.step(0.0, 1e-3), OK);
+        assert_eq!(slave.set("lambda", 8.0) + slave.set("maxTension", 50.0), OK, "{}", slave.last_message());
+        assert_eq!((slave.step(1e-3, 1e-3), pending()), (OK, 1));
+        // A state between has it as well.
+        let saved = slave.save();
+        for k in 2..60 {
+            assert_eq!(slave.step(f64::from(k) * 1e-3, 1e-3), OK);
+        }
+        assert_eq!((pending(), slave.get("lambda")), (0, 8.0));
+        let there = picture(&slave);
+        assert_eq!(slave.restore(&saved), OK);
+        for k in 2..60 {
+            assert_eq!(slave.step(f64::from(k) * 1e-3, 1e-3), OK);
+        }
+        assert_eq!(picture(&slave), there);
+        assert_eq!(slave.set("m", 7.0), ERROR);
+        assert!(slave.last_message().contains("fixed parameter"), "{}", slave.last_message());
+
+        let slave = Slave::running(fmi, Model::Controller);
+        assert_eq!(slave.set("eta", -1.0) + slave.step(0.0, 1e-3), ERROR);
+        assert!(slave.last_message().contains("parameter eta = -1"), "{}", slave.last_message());
     }
 }

@@ -78,7 +78,7 @@ fn first_steps(interface: &Interface) -> String {
 
 fn variables(interface: &Interface, version: Version) -> String {
     [
-        ("Parameters", Causality::Parameter, "Fixed once initialisation ends, which is also when they are checked. A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
+        ("Parameters", Causality::Parameter, "Checked when initialisation ends, and fixed from then on, but for gains, limits and tolerances (variability tunable): those may change between two steps, and act as soon as the motion under way is proved to go on with them (parametersPending). A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
         ("Inputs", Causality::Input, "Held during a step."),
         ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
     ]

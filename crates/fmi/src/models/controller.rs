@@ -3,15 +3,15 @@
 mod rows;
 
 use super::Interface;
-use super::robot::{parameters, rig_with_limits, write_limits, write_rig, write_robot};
+use super::robot::{limits_of_cables, parameters, rig_with_limits, write_limits, write_rig, write_robot};
 use crate::values::Values;
 use crate::variables::{Kind, Row};
 use cable_robot::control::static_tensions;
 use cable_robot::plan::{
-    Check, Controller, ControllerInputs, ControllerOutputs, ControllerParameters, Fault, PlannerKind,
-    PoseSource, Status,
+    Check, Controller, ControllerInputs, ControllerOutputs, ControllerParameters, Fault, Pending,
+    PlannerKind, PoseSource, Status, Tuning,
 };
-use cable_robot::robot::{ParameterError, Pose, Rig, Shape as PaperShape, TensionLimits};
+use cable_robot::robot::{ParameterError, PerCable, Pose, Rig, Shape as PaperShape, TensionLimits};
 use nalgebra::Vector6;
 
 use rows::*;
@@ -65,12 +65,7 @@ fn check_numbers(interface: &Interface, values: &Values) -> Result<(), Parameter
 pub fn controller_parameters(interface: &Interface, values: &Values) -> ControllerParameters {
     let mut rig = match interface.rig() {
         Some(rig) => rig_with_limits(values, rig),
-        None => {
-            // -0 is 0
-            let limits =
-                TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) };
-            Rig::paper(&parameters(values), limits)
-        }
+        None => Rig::paper(&parameters(values), common_limits(values)),
     };
     rig.accuracy = values.scalar(&ACCURACY);
     ControllerParameters {
@@ -100,6 +95,29 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
         largest_step: values.scalar(&LARGEST_STEP),
     }
+}
+
+/// Gains, limits and tolerances in `values`: what may change between two steps.
+pub fn tuning(interface: &Interface, values: &Values) -> Tuning {
+    let limits = match interface.rig() {
+        Some(_) => limits_of_cables(values),
+        None => PerCable::filled(interface.cables(), common_limits(values)),
+    };
+    Tuning {
+        lambda: values.scalar(&LAMBDA),
+        eta: values.scalar(&ETA),
+        position_tolerance: values.scalar(&POSITION_TOLERANCE),
+        angle_tolerance: values.scalar(&ANGLE_TOLERANCE),
+        max_speed: values.scalar(&MAX_SPEED),
+        max_angular_rate: values.scalar(&MAX_ANGULAR_RATE),
+        max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
+        limits,
+    }
+}
+
+fn common_limits(values: &Values) -> TensionLimits {
+    // -0 is 0
+    TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) }
 }
 
 /// What the controller reads in a step.
@@ -134,6 +152,7 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&DISTURBANCE_FORCE, force.iter().copied());
     values.write(&DISTURBANCE_TORQUE, torque.iter().copied());
     values.write(&ESTIMATED_MASS, [outputs.estimated_mass]);
+    values.write(&PARAMETERS_PENDING, [f64::from(outputs.pending as i32)]);
 }
 
 /// Copies the settings into `values`, but for the rig.
@@ -216,6 +235,7 @@ pub fn outputs(values: &Values) -> ControllerOutputs {
         tension_margin: values.scalar(&TENSION_MARGIN),
         disturbance: Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z),
         estimated_mass: values.scalar(&ESTIMATED_MASS),
+        pending: Pending::ALL[values.integer(&PARAMETERS_PENDING).clamp(0, 2) as usize],
         status: Status::ALL.into_iter().find(|status| *status as i32 == number).unwrap_or(Status::Moving),
         fault: Fault {
             check: Check::ALL.into_iter().find(|check| *check as i32 == fault).unwrap_or(Check::None),
@@ -262,6 +282,7 @@ mod tests {
             (&FAULT, 4.0),
             (&STATUS_NUMBER, 5.0),
             (&FAULT_NUMBER, 4.0),
+            (&PARAMETERS_PENDING, 2.0),
             (&PLANNER_NUMBER, 0.0),
             (&POSE_SOURCE_NUMBER, 0.0),
         ];

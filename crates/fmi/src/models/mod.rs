@@ -63,10 +63,22 @@ impl Running {
     /// Goes from `time` to `time + h` with the inputs in `values` held. The controller samples them at `time`.
     ///
     /// # Errors
-    /// [`FmiError::Plant`] when the motion cannot be integrated.
-    pub fn step(&mut self, values: &Values, time: f64, h: f64) -> Result<(), FmiError> {
+    /// [`FmiError::Plant`] when the motion cannot be integrated, [`FmiError::Parameter`] for a parameter that was changed and makes no sense.
+    pub fn step(
+        &mut self,
+        interface: &Interface,
+        values: &Values,
+        time: f64,
+        h: f64,
+    ) -> Result<(), FmiError> {
         match self {
-            Running::Controller(controller) => controller.step(time, h, &controller::inputs(values)),
+            Running::Controller(controller) => {
+                let tuning = controller::tuning(interface, values);
+                if tuning != controller.tuning() {
+                    controller.tune(&tuning)?;
+                }
+                controller.step(time, h, &controller::inputs(values));
+            }
             Running::Plant(plant) => plant.step(&plant::inputs(values), h)?,
         }
         Ok(())

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use crate::values::Values;
 use crate::variables::units::{KILOGRAM, KILOGRAM_METRE2, METRE, METRE_PER_SECOND2, NEWTON, SECOND};
-use crate::variables::{ABOVE_ZERO, Causality, Row, Shape, output, parameter};
-use cable_robot::robot::{Rig, RobotParameters, TensionLimits};
+use crate::variables::{ABOVE_ZERO, Causality, Row, Shape, Variability, output, parameter};
+use cable_robot::robot::{PerCable, Rig, RobotParameters, TensionLimits};
 
 pub const TIME: Row = Row {
     causality: Causality::Independent,
@@ -73,6 +73,7 @@ pub const ATTACHMENT: Row = Row {
     )
 };
 pub const CABLE_MIN: Row = Row {
+    variability: Variability::Tunable,
     shape: Shape::Cables,
     seventh: 426,
     min: Some(0.0),
@@ -80,6 +81,7 @@ pub const CABLE_MIN: Row = Row {
     ..parameter(420, "minTension", &NEWTON, &[], "Least tension that the cable is ever commanded")
 };
 pub const CABLE_MAX: Row = Row {
+    variability: Variability::Tunable,
     shape: Shape::Cables,
     seventh: 446,
     min: Some(ABOVE_ZERO),
@@ -129,12 +131,19 @@ pub fn rig(values: &Values, rig: &Rig) -> Rig {
 /// The same with the limits that the user has set.
 pub fn rig_with_limits(values: &Values, known: &Rig) -> Rig {
     let mut rig = rig(values, known);
-    let (min, max) = (values.cables(&CABLE_MIN), values.cables(&CABLE_MAX));
-    for (i, cable) in rig.cables.iter_mut().enumerate() {
-        let max = if max[i] >= UNLIMITED { f64::INFINITY } else { max[i] };
-        cable.limits = TensionLimits { min: min[i] + 0.0, max }; // -0 is 0
+    for (cable, limits) in rig.cables.iter_mut().zip(&limits_of_cables(values)) {
+        cable.limits = *limits;
     }
     rig
+}
+
+/// The limits of each cable in `values`.
+pub fn limits_of_cables(values: &Values) -> PerCable<TensionLimits> {
+    let (min, max) = (values.cables(&CABLE_MIN), values.cables(&CABLE_MAX));
+    PerCable::from_fn(min.len(), |i| {
+        let max = if max[i] >= UNLIMITED { f64::INFINITY } else { max[i] };
+        TensionLimits { min: min[i] + 0.0, max } // -0 is 0
+    })
 }
 
 /// Copies a rig into `values`.

@@ -89,11 +89,13 @@ pub const FAULT_TYPE: Enumeration = Enumeration {
 };
 
 pub const LAMBDA: Row = Row {
+    variability: Variability::Tunable,
     min: Some(ABOVE_ZERO),
     max: Some(1000.0),
     ..parameter(8, "lambda", &PER_SECOND, &[3.0], "Gain lambda of Eq. (2), Table II")
 };
 pub const ETA: Row = Row {
+    variability: Variability::Tunable,
     min: Some(ABOVE_ZERO),
     max: Some(1000.0),
     ..parameter(9, "eta", &PER_SECOND, &[3.0], "Gain eta of Eq. (4), Table II")
@@ -114,11 +116,13 @@ pub const BISECTION_STEPS: Row = Row {
     )
 };
 pub const MIN_TENSION: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     nominal: Some(10.0),
     ..parameter(12, "minTension", &NEWTON, &[0.0], "Least tension that is ever commanded")
 };
 pub const MAX_TENSION: Row = Row {
+    variability: Variability::Tunable,
     min: Some(ABOVE_ZERO),
     nominal: Some(10.0),
     ..parameter(13, "maxTension", &NEWTON, &[100.0], "Greatest tension that is ever commanded")
@@ -143,6 +147,7 @@ pub const FORCE_LOOP: Row =
     setting(16, "forceLoop", Kind::Boolean, &[0.0], "Whether the load cells correct the motors, Section VII");
 
 pub const POSITION_TOLERANCE: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     ..parameter(
         17,
@@ -153,6 +158,7 @@ pub const POSITION_TOLERANCE: Row = Row {
     )
 };
 pub const ANGLE_TOLERANCE: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     ..parameter(
         18,
@@ -233,6 +239,7 @@ pub const DISTURBANCE_BOUND: Row = Row {
     )
 };
 pub const MAX_SPEED: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     ..parameter(
         26,
@@ -243,6 +250,7 @@ pub const MAX_SPEED: Row = Row {
     )
 };
 pub const MAX_ANGULAR_RATE: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     ..parameter(
         27,
@@ -253,6 +261,7 @@ pub const MAX_ANGULAR_RATE: Row = Row {
     )
 };
 pub const MAX_CABLE_SPEED: Row = Row {
+    variability: Variability::Tunable,
     min: Some(0.0),
     ..parameter(
         28,
@@ -505,6 +514,18 @@ pub const FAULT_NUMBER: Row = Row {
     variability: Variability::Discrete,
     ..output(241, "faultNumber", Shape::Scalar, None, MODE, "fault, for importers that know no enumerations")
 };
+pub const PARAMETERS_PENDING: Row = Row {
+    kind: Kind::Int32,
+    variability: Variability::Discrete,
+    ..output(
+        242,
+        "parametersPending",
+        Shape::Scalar,
+        None,
+        &[],
+        "0: all parameters act. 1: those changed since act from the planner's next decision on. 2: not yet, the motion under way is not proved to go on with them",
+    )
+};
 
 /// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
@@ -563,6 +584,7 @@ pub const ROWS: &[&Row] = &[
     &ESTIMATED_MASS,
     &STATUS_NUMBER,
     &FAULT_NUMBER,
+    &PARAMETERS_PENDING,
 ];
 
 /// The table of another rig.
