@@ -55,7 +55,9 @@ impl ControllerModel for Controller {
         h: f64,
         inputs: &ControllerInputs,
     ) -> Result<ControllerOutputs, ModelError> {
-        self.parameters().check_step(h)?;
+        if inputs.enable {
+            self.parameters().check_step(h)?;
+        }
         Controller::step(self, time, h, inputs);
         Ok(*self.outputs())
     }

@@ -135,7 +135,8 @@ impl Instance {
                 &format!("{time}, where the last step ended"),
             ));
         }
-        let longest = self.now.running.as_ref().map_or(f64::INFINITY, Running::longest_step);
+        let longest =
+            self.now.running.as_ref().map_or(f64::INFINITY, |running| running.longest_step(&self.now.values));
         if h > longest + tolerance {
             return Err(FmiError::TooLong { h, longest });
         }

@@ -127,7 +127,9 @@ impl Object {
             self.running = Some(started);
         }
         let controller = self.running.as_mut().ok_or("the controller has not started")?;
-        self.parameters.check_step(hold).map_err(|error| error.to_string())?;
+        if inputs.enable {
+            self.parameters.check_step(hold).map_err(|error| error.to_string())?;
+        }
         controller.step(time, hold, inputs);
         Ok(*controller.outputs())
     }

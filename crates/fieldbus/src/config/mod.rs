@@ -279,10 +279,10 @@ impl Config {
         let of_winches = self.drives.iter().map(|drive| drive.winch.metres_per_count());
         let heeds = parameters.planner != PlannerKind::Bounded;
         let period = self.period as f64 * 1e-9;
-        let (encoder_resolution, max_cable_speed, largest_step) = if heeds {
-            (of_winches.fold(0.0, f64::max), SHARE_OF_CABLE_SPEED * self.limits.cable_speed, period)
+        let (encoder_resolution, max_cable_speed) = if heeds {
+            (of_winches.fold(0.0, f64::max), SHARE_OF_CABLE_SPEED * self.limits.cable_speed)
         } else {
-            (0.0, 0.0, 0.0)
+            (0.0, 0.0)
         };
         ControllerParameters {
             hold_compensation: true,
@@ -290,7 +290,6 @@ impl Config {
             command_delay: period,
             encoder_resolution,
             max_cable_speed,
-            largest_step,
             ..parameters
         }
     }

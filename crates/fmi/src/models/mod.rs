@@ -101,11 +101,13 @@ impl Running {
         Some([controller.late()?, controller.parameters().command_delay])
     }
 
-    /// The longest step that may be asked for, s.
-    pub fn longest_step(&self) -> f64 {
+    /// The longest step that may be asked for with the inputs in `values`, s. A controller that is not enabled promises nothing.
+    pub fn longest_step(&self, values: &Values) -> f64 {
         match self {
-            Running::Controller(controller) => controller.parameters().longest_step(),
-            Running::Plant(_) => f64::INFINITY,
+            Running::Controller(controller) if controller::inputs(values).enable => {
+                controller.parameters().longest_step()
+            }
+            _ => f64::INFINITY,
         }
     }
 
