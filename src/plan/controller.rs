@@ -166,7 +166,9 @@ impl Controller {
     /// # Errors
     /// [`ParameterError`] for what makes no sense; then all stays as it was.
     pub fn tune(&mut self, tuning: &Tuning) -> Result<(), ParameterError> {
-        self.planner.parameters.tuned(tuning).validate()?;
+        let tuned = self.planner.tuned(tuning).parameters;
+        tuned.rig.validate_limits()?;
+        tuned.check_settings()?;
         self.wanted = (*tuning != self.planner.parameters.tuning()).then_some(*tuning);
         self.outputs.pending = if self.wanted.is_some() { Pending::Undecided } else { Pending::No };
         Ok(())
@@ -175,7 +177,7 @@ impl Controller {
     /// Takes over what was tuned, if the planner with it `can_go_on`.
     fn take_tuning(&mut self, can_go_on: impl FnOnce(&Planner, &Situation) -> bool) {
         let Some(tuning) = self.wanted else { return };
-        let planner = Planner::from(self.planner.parameters.tuned(&tuning));
+        let planner = self.planner.tuned(&tuning);
         let (pose, rates) = self.when_it_begins_to_act();
         let then = Situation { pose: &pose, rates: &rates, rest: planner.rest, ..self.situation() };
         if can_go_on(&planner, &then) {

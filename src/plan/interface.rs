@@ -394,6 +394,18 @@ impl ControllerParameters {
     /// [`ParameterError`] with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
         self.rig.validate()?;
+        self.check_settings()?;
+        if self.planner == PlannerKind::Bounded
+            && let Err(other) = Shape::of(&self.rig)
+        {
+            let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
+            return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
+        }
+        Ok(())
+    }
+
+    /// All but the rig; allocates for an error only.
+    pub(super) fn check_settings(&self) -> Result<(), ParameterError> {
         for (name, value) in [("lambda", self.lambda), ("eta", self.eta)] {
             let ok = value > 0.0 && value <= MAX_GAIN;
             require(ok, name, value, "must be greater than 0 and at most 1000 (1/s)")?;
@@ -425,25 +437,16 @@ impl ControllerParameters {
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;
         self.check_planner()?;
-        if self.planner != PlannerKind::Bounded {
-            let borne = self.longest_hold();
-            let allowed = "must be less than 1/(lambda + eta) (s) with the planner Exact";
-            require(borne > 0.0, "commandDelay", delay, allowed)?;
-            let allowed = format!("must be at most {borne:.3e} (s): 1/(lambda + eta) less commandDelay");
-            let step = self.largest_step;
-            if step > borne {
-                return Err(ParameterError {
-                    name: "largestStep".into(),
-                    value: step,
-                    allowed: allowed.into(),
-                });
-            }
+        if self.planner == PlannerKind::Bounded {
+            return Ok(());
         }
-        if self.planner == PlannerKind::Bounded
-            && let Err(other) = Shape::of(&self.rig)
-        {
-            let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
-            return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
+        let borne = self.longest_hold();
+        let allowed = "must be less than 1/(lambda + eta) (s) with the planner Exact";
+        require(borne > 0.0, "commandDelay", delay, allowed)?;
+        let step = self.largest_step;
+        if step > borne {
+            let allowed = format!("must be at most {borne:.3e} (s): 1/(lambda + eta) less commandDelay");
+            return Err(ParameterError { name: "largestStep".into(), value: step, allowed: allowed.into() });
         }
         Ok(())
     }

@@ -73,7 +73,7 @@ pub struct Planner {
     pub(super) rest: Rest,
     /// The rig's size in units of the paper's.
     pub(super) size: f64,
-    middle: Vector3<f64>,
+    pub(super) middle: Vector3<f64>,
     /// Farthest from there that poses are looked at, m.
     pub(super) far: f64,
 }

@@ -59,10 +59,12 @@ impl ControllerParameters {
             limits: self.rig.limits(),
         }
     }
+}
 
-    /// These with what may change as in `tuning`, which must have a limit for each cable.
+impl Planner {
+    /// The same with what may change as in `tuning`, which must have a limit for each cable. The rig keeps its shape.
     pub(super) fn tuned(&self, tuning: &Tuning) -> Self {
-        let mut tuned = Self {
+        let mut parameters = ControllerParameters {
             lambda: tuning.lambda,
             eta: tuning.eta,
             position_tolerance: tuning.position_tolerance,
@@ -70,16 +72,14 @@ impl ControllerParameters {
             max_speed: tuning.max_speed,
             max_angular_rate: tuning.max_angular_rate,
             max_cable_speed: tuning.max_cable_speed,
-            ..*self
+            ..self.parameters
         };
-        for (cable, limits) in tuned.rig.cables.iter_mut().zip(&tuning.limits) {
+        for (cable, limits) in parameters.rig.cables.iter_mut().zip(&tuning.limits) {
             cable.limits = *limits;
         }
-        tuned
+        Self { rest: parameters.rest(), parameters, ..*self }
     }
-}
 
-impl Planner {
     /// Whether the motion that goes on with these parameters is proved, as that to a new set point would be.
     pub(super) fn can_go_on(&self, now: &Situation) -> bool {
         let set_point = now.set_point;

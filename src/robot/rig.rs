@@ -235,14 +235,20 @@ impl Rig {
         self.validate_limits()
     }
 
-    fn validate_limits(&self) -> Result<(), ParameterError> {
+    /// The limits alone; allocates for an error only.
+    pub(crate) fn validate_limits(&self) -> Result<(), ParameterError> {
         let first = self.cables[0].limits;
         let alike = self.cables.iter().all(|cable| cable.limits == first);
         let named = |name: &str, i: usize| if alike { name.to_owned() } else { format!("{name}[{}]", i + 1) };
         for (i, TensionLimits { min, max }) in self.limits().into_iter().enumerate() {
-            let ok = min.is_finite() && min >= 0.0;
-            require(ok, named("minTension", i), min, "must be 0 or greater (N): cables cannot push")?;
-            require(max > min, named("maxTension", i), max, "must be greater than minTension (N)")?;
+            if !(min.is_finite() && min >= 0.0) {
+                let allowed = "must be 0 or greater (N): cables cannot push";
+                return require(false, named("minTension", i), min, allowed);
+            }
+            let is_above = max > min;
+            if !is_above {
+                return require(false, named("maxTension", i), max, "must be greater than minTension (N)");
+            }
         }
         Ok(())
     }

@@ -74,6 +74,41 @@ fn goals_that_are_not_reachable_allocate_nothing() {
     }
 }
 
+/// Gains changed on the way, those that are taken and those that wait: also of a rig that is the paper's only turned.
+#[test]
+fn tuning_allocates_nothing() {
+    let eight = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
+    let mut turned = RigFile::default();
+    for cable in turned.rig.cables.iter_mut() {
+        for end in [&mut cable.anchor, &mut cable.attachment] {
+            *end = nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.3) * *end;
+        }
+    }
+    for (file, planner) in [
+        (RigFile::default(), PlannerKind::Bounded),
+        (turned.clone(), PlannerKind::Bounded),
+        (turned, PlannerKind::Exact),
+        (eight, PlannerKind::Exact),
+    ] {
+        let mut parameters = ControllerParameters::of(&file.rig);
+        parameters.planner = planner;
+        let plant = PlantParameters { rig: file.rig, initial_pose: file.home, ..Default::default() };
+        let mut closed_loop = ClosedLoop::new(parameters, plant, file.home).unwrap();
+        closed_loop.goal = Pose(file.home.0 + Coordinates::new(0.05, 0.02, 0.0, 0.0, 0.0, 0.0));
+        closed_loop.step(1e-3).unwrap();
+        let before = CALLS.get();
+        for k in 0..20 {
+            let mut tuning = closed_loop.controller.tuning();
+            (tuning.lambda, tuning.eta) = (3.0 + f64::from(k), 3.0);
+            closed_loop.controller.tune(&tuning).unwrap();
+            for _ in 0..100 {
+                closed_loop.step(1e-3).unwrap();
+            }
+        }
+        assert_eq!(CALLS.get() - before, 0, "allocations in 20 tunings, {planner:?}");
+    }
+}
+
 #[test]
 fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
     for interface in MODELS.map(Model::interface) {
