@@ -24,7 +24,7 @@ late), up to four goals, turned ones and ones that cannot be had among them, hal
 
 /// Upper ends of the classes of (λ + η) h, and of (λ + η) times the delay besides.
 const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 1.0];
-/// A robot this much turned, rad, or this many radii of the rig from its home, is lost.
+/// A robot this much turned from level and from its set point, rad, or this many radii of the rig from its home, is lost.
 const LOST_TURN: f64 = 1.4;
 const LOST_WAY: f64 = 20.0;
 
@@ -286,7 +286,7 @@ impl Case {
                 break;
             }
             end.lost = status == Status::SensorFault
-                || pose.angles().fixed_rows::<2>(0).amax() > LOST_TURN
+                || [Pose::default(), controller.set_point].iter().all(|at| is_turned(pose, at))
                 || way > LOST_WAY * rig.radius();
         }
         let status = run.controller.outputs().status;
@@ -294,6 +294,11 @@ impl Case {
         end.possible = status != Status::GoalUnreachable;
         Ok(end)
     }
+}
+
+/// Whether roll or pitch differ by more than those of a robot that is not lost.
+fn is_turned(pose: &Pose, from: &Pose) -> bool {
+    pose.minus(from).fixed_rows::<2>(3).amax() > LOST_TURN
 }
 
 /// Level where the platform can rest, or turned, or anywhere: then it can mostly not be had.
