@@ -1,10 +1,12 @@
 """FMUs of another rig than the paper's, packed by the program and stepped by fmpy."""
 
 import subprocess
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
 from robot_fmu import Slave, pose_names
@@ -14,8 +16,8 @@ PROGRAM = ROOT / "target" / "debug" / "cable-robot"
 CABLES = range(1, 9)
 
 
-def packed(folder, *options):
-    command = [PROGRAM, "fmu", "--rig", ROOT / "rigs/eight.toml", "--output", folder, "--library", ROOT / "target/fmu", *options]
+def packed(folder, *options, rig="eight"):
+    command = [PROGRAM, "fmu", "--rig", ROOT / "rigs" / f"{rig}.toml", "--output", folder, "--library", ROOT / "target/fmu", *options]
     subprocess.run(command, check=True, capture_output=True)
     return folder
 
@@ -118,3 +120,29 @@ def test_a_real_that_stands_for_something_else_takes_only_what_that_takes(in_rea
         with pytest.raises(Exception):
             slave[name] = wrong
         assert name in slave.messages[-1][2] and allowed in slave.messages[-1][2]
+
+
+@pytest.mark.parametrize("options", [["--ssp"], ["--ssp", "--reals"]])
+def test_a_system_whose_connections_start_at_zero_reaches_its_goal(tmp_path, options):
+    """fmpy.ssp, like others, hands zeros to everything first, and lets each step with what the other said a step before."""
+    packed(tmp_path, *options, rig="paper")
+    goal = {"goalPose.x": 0.1, "goalPose.y": 0.05, "goalPose.z": 1.0}
+    names = [f"goalPose.{name}" for name in ("x", "y", "z", "roll", "pitch", "yaw")]
+    given = {name: lambda _, value=goal.get(name, 0.0): value for name in names}
+    rows = simulate_ssp(str(tmp_path / "CableRobot.ssp"), stop_time=4.0, step_size=1e-3, input=given)
+    end = {name: rows[name][-1] for name in rows.dtype.names}
+    found = {name: end[name.replace("goalPose", "encoderPose")] for name in goal}
+    assert np.abs([found[name] - goal[name] for name in goal]).max() < 2e-3, end
+    assert end["atGoal"] and end["statusNumber"] == 4
+    # The first step pulls with what it was handed, zeros.
+    assert min(rows[f"motorTension[{i}]"][2:].min() for i in range(1, 7)) > 0.0
+
+
+def test_a_system_of_another_rig_names_its_cables(tmp_path):
+    packed(tmp_path, "--ssp")
+    with zipfile.ZipFile(tmp_path / "CableRobot.ssp") as archive:
+        text = archive.read("SystemStructure.ssd").decode()
+        assert sorted(archive.namelist()) == [
+            "SystemStructure.ssd", "resources/CableRobotController.fmu", "resources/CableRobotPlant.fmu"
+        ]
+    assert text.count('startConnector="motorTension[8]"') == 2 and "motorTension[9]" not in text

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
 use cable_robot_fmi::archive;
-use cable_robot_fmi::describe::{VERSIONS, Version};
+use cable_robot_fmi::describe::{VERSIONS, Version, system_structure};
 use cable_robot_fmi::{Interface, MODELS, Model};
 use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
@@ -28,6 +28,9 @@ pub struct Fmu {
     /// Folder of the FMUs of the paper's rig, fmi2 and fmi3 in it; without it where the program lies or `cargo fmu build` packs them
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     library: Option<PathBuf>,
+    /// Writes FOLDER/CableRobot.ssp as well: controller and plant connected (SSP 1.0, FMI 2)
+    #[arg(long)]
+    ssp: bool,
     /// Shows importers reals only, for those that know nothing else: Booleans as 0 or 1, enumerations as numbers
     #[arg(long)]
     reals: bool,
@@ -38,7 +41,10 @@ pub struct Fmu {
 
 impl Fmu {
     pub fn run(&self) -> Result<Outcome> {
-        let paths = pack(&self.rig, self.reals, &self.output, &library_folder(self.library.as_deref())?)?;
+        let mut paths = pack(&self.rig, self.reals, &self.output, &library_folder(self.library.as_deref())?)?;
+        if self.ssp {
+            paths.push(pack_system(&self.rig, self.reals, &self.output)?);
+        }
         if self.json {
             print_json(&json!({ "fmus": paths }))?;
         } else {
@@ -70,10 +76,39 @@ fn path_of(folder: &Path, model: Model, version: Version) -> PathBuf {
     folder.join(version.name()).join(model.identifier()).with_extension("fmu")
 }
 
+/// The step that masters of a system are expected to take, s.
+const STEP: f64 = 1e-3;
+
+/// Packs the FMUs for FMI 2 in a folder as one system.
+fn pack_system(rig: &Path, reals: bool, folder: &Path) -> Result<PathBuf> {
+    let file = read_rig(rig)?.1;
+    let [controller, plant] = MODELS.map(|model| interface(model, &file, reals));
+    let mut files = archive::Files::new();
+    files.insert("SystemStructure.ssd".into(), system_structure(&controller, &plant, STEP).into_bytes());
+    for model in MODELS {
+        let path = path_of(folder, model, Version::Fmi2);
+        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        files.insert(format!("resources/{}.fmu", model.identifier()), bytes);
+    }
+    let path = folder.join("CableRobot.ssp");
+    archive::write(&path, &files).with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(path)
+}
+
+fn interface(model: Model, file: &RigFile, reals: bool) -> Interface {
+    let interface = Interface::of_rig(model, file);
+    if reals { interface.with_reals_only() } else { interface }
+}
+
+fn read_rig(path: &Path) -> Result<(String, RigFile)> {
+    let text = read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file = RigFile::parse(&text).with_context(|| path.display().to_string())?;
+    Ok((text, file))
+}
+
 /// Packs both models in both versions for the rig of a file, with `reals` only if that is asked for; their paths.
 pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
-    let text = read_text(rig).with_context(|| format!("cannot read {}", rig.display()))?;
-    let file = RigFile::parse(&text).with_context(|| rig.display().to_string())?;
+    let (text, file) = read_rig(rig)?;
     let mut paths = vec![];
     for version in VERSIONS {
         for model in MODELS {
@@ -85,10 +120,7 @@ pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Ve
                 "{} is of another version of cable-robot: its library would not know the rig",
                 from.display()
             );
-            let mut interface = Interface::of_rig(model, &file);
-            if reals {
-                interface = interface.with_reals_only();
-            }
+            let interface = interface(model, &file, reals);
             let path = path_of(output, model, version);
             archive::write(&path, &archive::contents(&interface, version, &libraries, Some(&text)))
                 .with_context(|| format!("cannot write {}", path.display()))?;

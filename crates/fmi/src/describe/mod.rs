@@ -5,6 +5,7 @@ mod drawing;
 mod fmi2;
 mod fmi3;
 mod page;
+mod ssp;
 mod xml;
 
 use super::models::{Interface, MODELS, Model};
@@ -54,6 +55,8 @@ pub fn model_description(interface: &Interface, version: Version) -> String {
         Version::Fmi3 => fmi3::model_description(interface),
     }
 }
+
+pub use ssp::system_structure;
 
 /// documentation/index.html.
 pub fn documentation(interface: &Interface, version: Version) -> String {
