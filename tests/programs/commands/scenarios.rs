@@ -342,14 +342,14 @@ fn an_fmu_that_tells_less_is_run_and_what_it_lacks_is_not_recorded() {
     );
     let whole = recorded(&["paper"]);
     let found = recorded(&["paper", "--fmu", fmu.path().to_str().unwrap()]);
-    assert_eq!(found.table.names().len() + 9, whole.table.names().len());
+    assert_eq!(found.table.names().len() + 10, whole.table.names().len());
     assert!(found.table.get("controller.setPoint.x").is_none());
     let column = "plant.encoderPose.x";
     assert_eq!(found.table.get(column), whole.table.get(column), "the loop is the same");
     let Run { set_point, at_goal, .. } = found.run().unwrap();
     assert_eq!((set_point[0][0], at_goal[0]), (0.15, 0.0), "the goal stands for the set point");
     let (_, said) = written(0, &["paper", "--json", "--fmu", fmu.path().to_str().unwrap()]);
-    assert!(said.contains("not recorded: setPoint, setPointIndex, atGoal, status\n"), "{said}");
+    assert!(said.contains("not recorded: setPoint, setPointIndex, atGoal, status, statusNumber\n"), "{said}");
     for untold in ["status at the end", "set points", "not reached"] {
         assert!(!said.contains(untold), "{said}");
     }
