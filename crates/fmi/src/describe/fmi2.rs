@@ -72,8 +72,7 @@ fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
                     Kind::Enumeration(kind) => vec![is("declaredType", kind.name)],
                     _ => vec![],
                 };
-                let measure = measure(scalar.row.unit_of(scalar.position), scalar.row.nominal);
-                leaf(xml, element, &[declared, measure, range(interface, &scalar)].concat())
+                leaf(xml, element, &[declared, measure(&scalar), range(interface, &scalar)].concat())
             })
         })
     })

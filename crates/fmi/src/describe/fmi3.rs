@@ -76,7 +76,7 @@ fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let mut named = BTreeMap::new();
     for scalar in interface.scalars() {
         if let Some(name) = type_name(&scalar) {
-            named.insert(name, measure(scalar.row.unit_of(scalar.position), scalar.row.nominal));
+            named.insert(name, measure(&scalar));
         }
     }
     node(xml, "TypeDefinitions", &[], |xml| {

@@ -131,7 +131,8 @@ pub fn identity(scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
 }
 
 /// Unit, quantity and nominal of reals; FMI 3's readers look for them in types.
-pub fn measure(unit: Option<&Unit>, nominal: Option<f64>) -> Vec<(&'static str, Option<String>)> {
+pub fn measure(scalar: &Scalar) -> Vec<(&'static str, Option<String>)> {
+    let (unit, nominal) = (scalar.row.unit_of(scalar.position), scalar.row.nominal);
     vec![
         ("quantity", unit.map(|unit| unit.quantity.to_owned())),
         ("unit", unit.map(|unit| unit.name.to_owned())),

@@ -120,6 +120,11 @@ fn common_limits(values: &Values) -> TensionLimits {
     TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) }
 }
 
+/// Whether the controller may pull.
+pub fn is_enabled(values: &Values) -> bool {
+    values.boolean(&ENABLE)
+}
+
 /// What the controller reads in a step.
 pub fn inputs(values: &Values) -> ControllerInputs {
     ControllerInputs {
@@ -127,7 +132,7 @@ pub fn inputs(values: &Values) -> ControllerInputs {
         cable_length: values.cables(&CABLE_LENGTH),
         measured_tension: values.cables(&MEASURED_TENSION),
         goal_pose: values.pose(&GOAL_POSE),
-        enable: values.boolean(&ENABLE),
+        enable: is_enabled(values),
     }
 }
 

@@ -104,7 +104,7 @@ impl Running {
     /// The longest step that may be asked for with the inputs in `values`, s. A controller that is not enabled promises nothing.
     pub fn longest_step(&self, values: &Values) -> f64 {
         match self {
-            Running::Controller(controller) if controller::inputs(values).enable => {
+            Running::Controller(controller) if controller::is_enabled(values) => {
                 controller.parameters().longest_step()
             }
             _ => f64::INFINITY,
