@@ -103,6 +103,11 @@ impl Status {
         Self::SensorFault,
         Self::WaitingForPose,
     ];
+
+    /// Whether the measured pose makes no sense.
+    pub fn lacks_pose(self) -> bool {
+        matches!(self, Self::SensorFault | Self::WaitingForPose)
+    }
 }
 
 /// What the longest step follows from.

@@ -120,7 +120,7 @@ fn verdict(history: &History, summary: &Summary) -> String {
     let steps = history.set_point_rows().len() - 1;
     list += &item(false, "set points", &steps);
     if let Some(status) = history.last_status() {
-        let is_bad = matches!(status, Status::GoalUnreachable | Status::SensorFault | Status::WaitingForPose);
+        let is_bad = status == Status::GoalUnreachable || status.lacks_pose();
         list += &item(is_bad, "status at the end", &status_name(status));
     }
     list

@@ -126,9 +126,8 @@ impl Simulate {
                 Outcome::Interrupted
             }
             (End::Whole, _) if is_slack => Outcome::Slack,
-            (End::Whole, Some(Status::GoalUnreachable | Status::SensorFault | Status::WaitingForPose)) => {
-                Outcome::NotReachable
-            }
+            (End::Whole, Some(Status::GoalUnreachable)) => Outcome::NotReachable,
+            (End::Whole, Some(status)) if status.lacks_pose() => Outcome::NotReachable,
             (End::Whole, _) => Outcome::Done,
         })
     }

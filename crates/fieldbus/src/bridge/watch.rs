@@ -2,7 +2,7 @@
 
 use super::{Bridge, Fault, Mode};
 use crate::cia402::DriveState;
-use cable_robot::plan::{ControllerInputs, Status};
+use cable_robot::plan::ControllerInputs;
 use cable_robot::robot::{PerCable, forward_kinematics};
 use cable_robot::sim::ControllerModel;
 
@@ -135,9 +135,7 @@ impl Bridge {
         let wrong = (0..self.cables()).find(|i| !(0.0..=most(*i)).contains(&asked(*i)));
         match wrong {
             Some(i) => self.raise(Fault::ControllerOutput { cable: i + 1, tension: asked(i) }),
-            None if enable && matches!(outputs.status, Status::SensorFault | Status::WaitingForPose) => {
-                self.raise(Fault::ControllerSensorFault)
-            }
+            None if enable && outputs.status.lacks_pose() => self.raise(Fault::ControllerSensorFault),
             None => {}
         }
     }
