@@ -7,7 +7,7 @@ use super::aim::{Search, WORK};
 use super::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use super::planner::{Planner, Situation};
-use super::prediction::Prediction;
+use super::prediction::{Motion, Prediction};
 use super::stop::Stop;
 use super::tuning::{Pending, Tuning};
 use crate::control::estimator::SETTLING;
@@ -86,7 +86,8 @@ impl Controller {
         let planner = Planner::from(parameters);
         let outputs = ControllerOutputs::at_rest(&inputs.encoder_pose, &least(&planner));
         let estimator = Estimator::at_rest(inputs.encoder_pose);
-        let prediction = prediction(&planner, &estimator, &outputs.set_point, time);
+        let state = (&estimator.pose, &estimator.rates);
+        let prediction = prediction(&planner, state, &outputs.set_point, time, 0.0);
         let mut controller = Self {
             planner,
             mode: Mode::Disabled,
@@ -392,7 +393,10 @@ impl Controller {
     }
 
     fn predict(&mut self) {
-        self.prediction = prediction(&self.planner, &self.estimator, &self.outputs.set_point, self.time);
+        let (pose, rates) = self.when_it_begins_to_act();
+        let begins = self.time + self.foreseen_delay();
+        let hold = self.situation().hold;
+        self.prediction = prediction(&self.planner, (&pose, &rates), &self.outputs.set_point, begins, hold);
     }
 
     /// The law (4), or what stands for it when the controller may not or cannot act.
@@ -434,11 +438,10 @@ impl Controller {
     /// their way, else the estimate.
     fn when_it_begins_to_act(&self) -> (Pose, Coordinates) {
         let Estimator { pose, rates, .. } = self.estimator;
-        let parameters = &self.planner.parameters;
-        if !parameters.hold_compensation {
+        if !self.planner.parameters.hold_compensation {
             return (pose, rates);
         }
-        let acts = self.time + parameters.command_delay;
+        let acts = self.time + self.foreseen_delay();
         self.commands.carry((&pose, &rates), &self.disturbing(), self.time, acts)
     }
 
@@ -469,10 +472,14 @@ impl Controller {
             desired
         };
         self.outputs.motor_tension = self.limited(command);
-        let parameters = &self.planner.parameters;
-        let delay = if parameters.hold_compensation { parameters.command_delay } else { 0.0 };
         let imposed = self.imposed(state, &desired, desired != *tension) - self.disturbing();
-        self.commands.send(self.time, self.time + delay, imposed);
+        self.commands.send(self.time, self.time + self.foreseen_delay(), imposed);
+    }
+
+    /// How much later than its measurement a command is reckoned to act, s.
+    fn foreseen_delay(&self) -> f64 {
+        let parameters = &self.planner.parameters;
+        if parameters.hold_compensation { parameters.command_delay } else { 0.0 }
     }
 
     /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
@@ -537,8 +544,13 @@ fn least(planner: &Planner) -> PerCable<f64> {
     planner.rig().limits().map(|limits| limits.min)
 }
 
-fn prediction(planner: &Planner, estimator: &Estimator, set_point: &Pose, time: f64) -> Prediction {
-    let state = (&estimator.pose, &estimator.rates);
-    let gains = planner.parameters.gains();
-    Prediction::new(planner.rig(), &gains, state, set_point, time, planner.allowance())
+fn prediction(
+    planner: &Planner,
+    state: (&Pose, &Coordinates),
+    set_point: &Pose,
+    time: f64,
+    hold: f64,
+) -> Prediction {
+    let motion = Motion { pose: state.0, rates: state.1, set_point, gains: planner.parameters.gains() };
+    Prediction::new(planner.rig(), &motion, time, planner.allowance(), planner.share_of_holding(hold))
 }

@@ -110,7 +110,7 @@ impl Planner {
 
 impl Planner {
     /// What holding the commands costs, as a part of what the tension of a cable changes by on the way.
-    fn share_of_holding(&self, hold: f64) -> f64 {
+    pub(super) fn share_of_holding(&self, hold: f64) -> f64 {
         let parameters = &self.parameters;
         let sum = parameters.lambda + parameters.eta;
         if parameters.hold_compensation {

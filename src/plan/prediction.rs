@@ -7,58 +7,139 @@ use crate::robot::{Coordinates, PerCable, Pose, Rig};
 
 /// Instants looked at, denser at the start.
 const INSTANTS: usize = 32;
+/// Time after which they lie twice as far apart as at the start, in time constants of the faster gain.
+const DENSE: f64 = 0.5;
 
 /// Smallest tension of any cable from each of a row of instants on, along the closed form (12), (13) of all six coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
     made_at: f64,
-    horizon: f64,
+    instants: Instants,
     smallest: [f64; INSTANTS],
 }
 
+/// The motion that is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// Pose at its start.
+    pub pose: &'a Pose,
+    /// Rates of the coordinates there, m/s and rad/s.
+    pub rates: &'a Coordinates,
+    /// Where it ends.
+    pub set_point: &'a Pose,
+    /// Gains of the law.
+    pub gains: Gains,
+}
+
 impl Prediction {
-    /// Predicts from this state at `time` to rest at the set point; more than six cables keep `margin` (N) from their limits. Where the wrench
-    /// matrix is singular no tension counts as sure: zero.
-    pub fn new(
-        rig: &Rig,
-        gains: &Gains,
-        (pose, rates): (&Pose, &Coordinates),
-        set_point: &Pose,
-        time: f64,
-        margin: f64,
-    ) -> Self {
-        let horizon = response::time_to_rest(gains);
-        let mut prediction = Self { made_at: time, horizon, smallest: [0.0; INSTANTS] };
-        let mut smallest = f64::INFINITY;
+    /// Predicts the motion that begins at `time`; more than six cables keep `margin` (N) from their limits. Holding the commands is taken
+    /// to cost `held` of what the tension of a cable changes by from then on. Where the wrench matrix is singular no tension counts as sure: zero.
+    pub fn new(rig: &Rig, motion: &Motion, time: f64, margin: f64, held: f64) -> Self {
+        let instants = Instants::of(&motion.gains);
+        let tensions_at = |place: f64| {
+            let response = Response::at(&motion.gains, instants.time(place));
+            let (pose, rates, acceleration) = response.motion_of(motion.pose, motion.rates, motion.set_point);
+            tensions(rig, &pose, &rates, &acceleration, margin)
+        };
+        let mut prediction = Self { made_at: time, instants, smallest: [0.0; INSTANTS] };
+        let mut range = Range::none(rig.cables.len());
         // The tensions at the two instants after the one looked at.
         let mut after: [Option<PerCable<f64>>; 2] = [None; 2];
-        for (k, t) in response::instants(horizon, INSTANTS).enumerate().rev() {
-            let (pose, rates, acceleration) = Response::at(gains, t).motion_of(pose, rates, set_point);
-            let tension = tensions(rig, &pose, &rates, &acceleration, margin);
-            smallest = tension.map_or(smallest.min(0.0), |u| u.into_iter().fold(smallest, f64::min));
-            if let (Some(here), [Some(next), Some(last)]) = (tension, after) {
-                let between = (0..here.len()).filter_map(|i| least_between(here[i], next[i], last[i]));
-                smallest = between.fold(smallest, f64::min);
+        for k in (0..INSTANTS).rev() {
+            let here = tensions_at(k as f64);
+            if let (Some(here), [Some(next), Some(last)]) = (here, after) {
+                // A valley between the instants is looked at where the parabola has it.
+                for (place, least, i) in valleys(&here, &next, &last) {
+                    if least < range.least[i] {
+                        range.include(tensions_at((k + 1) as f64 + place).as_ref());
+                    }
+                }
+                prediction.smallest[k + 1] = range.smallest() - held * range.change();
             }
-            after = [tension, after[0]];
-            prediction.smallest[k] = smallest;
+            range.include(here.as_ref());
+            prediction.smallest[k] = range.smallest() - held * range.change();
+            after = [here, after[0]];
         }
         prediction
     }
 
     /// Smallest tension predicted from `time` on, N.
     pub fn smallest_from(&self, time: f64) -> f64 {
-        let share = ((time - self.made_at) / self.horizon).clamp(0.0, 1.0);
-        let before = share.sqrt() * (INSTANTS - 1) as f64;
-        self.smallest[before as usize]
+        self.smallest[self.instants.place(time - self.made_at) as usize]
     }
 }
 
-/// The least value of the parabola through three values at equal distances, if it lies between them.
-fn least_between(first: f64, middle: f64, last: f64) -> Option<f64> {
-    let curvature = first - 2.0 * middle + last;
-    let slope = 0.5 * (last - first);
-    (curvature > slope.abs()).then(|| middle - 0.5 * slope * slope / curvature)
+/// A row of instants: its places 0 to [`INSTANTS`] - 1, and what lies between them, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Instants {
+    /// s.
+    dense: f64,
+    /// Growth of the distances from place to place.
+    growth: f64,
+}
+
+impl Instants {
+    fn of(gains: &Gains) -> Self {
+        let dense = DENSE / gains.lambda.max(gains.eta);
+        Self { dense, growth: (response::time_to_rest(gains) / dense).ln_1p() / (INSTANTS - 1) as f64 }
+    }
+
+    fn time(&self, place: f64) -> f64 {
+        self.dense * (self.growth * place).exp_m1()
+    }
+
+    fn place(&self, time: f64) -> f64 {
+        ((time.max(0.0) / self.dense).ln_1p() / self.growth).min((INSTANTS - 1) as f64)
+    }
+}
+
+/// Between what each tension stays.
+struct Range {
+    least: PerCable<f64>,
+    greatest: PerCable<f64>,
+}
+
+impl Range {
+    fn none(cables: usize) -> Self {
+        let all = |value| PerCable::from_fn(cables, |_| value);
+        Self { least: all(f64::INFINITY), greatest: all(f64::NEG_INFINITY) }
+    }
+
+    /// Tensions that cannot be told may be zero.
+    fn include(&mut self, tension: Option<&PerCable<f64>>) {
+        for i in 0..self.least.len() {
+            let here = tension.map_or(0.0, |tension| tension[i]);
+            self.least[i] = self.least[i].min(here);
+            self.greatest[i] = self.greatest[i].max(here);
+        }
+    }
+
+    fn smallest(&self) -> f64 {
+        self.least.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    fn change(&self) -> f64 {
+        self.least
+            .iter()
+            .zip(self.greatest.iter())
+            .map(|(least, greatest)| greatest - least)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Of each cable for which that is between them: where the parabola through three of its tensions at equal distances is least, in distances from the
+/// middle, that tension, and the cable's index.
+fn valleys(
+    first: &PerCable<f64>,
+    middle: &PerCable<f64>,
+    last: &PerCable<f64>,
+) -> impl Iterator<Item = (f64, f64, usize)> {
+    (0..middle.len()).filter_map(|i| {
+        let curvature = first[i] - 2.0 * middle[i] + last[i];
+        let slope = 0.5 * (last[i] - first[i]);
+        (curvature > slope.abs())
+            .then(|| (-slope / curvature, middle[i] - 0.5 * slope * slope / curvature, i))
+    })
 }
 
 #[cfg(test)]
@@ -69,7 +150,7 @@ mod tests {
     use super::*;
     use crate::robot::RigFile;
 
-    /// Looked at in 32 instants alone it was up to 0.29 N too large.
+    /// Looked at in 32 instants alone it was up to 0.29 N too large, with parabolas between them 0.02 N.
     #[test]
     fn the_least_tension_between_the_instants_is_found() {
         let rig = RigFile::default().rig;
@@ -86,8 +167,8 @@ mod tests {
             let speed = 0.3 * (case % 2) as f64;
             let rates =
                 Coordinates::from_fn(|k, _| if k < 3 { speed * rng.random_range(-1.0..1.0) } else { 0.0 });
-            let state = (&start, &rates);
-            let said = Prediction::new(&rig, &gains, state, &goal, 0.0, 0.0).smallest_from(0.0);
+            let motion = Motion { pose: &start, rates: &rates, set_point: &goal, gains };
+            let predicted = Prediction::new(&rig, &motion, 0.0, 0.0, 0.0).smallest_from(0.0);
             let smallest = response::instants(8.0 / gains.lambda.min(gains.eta), 4000)
                 .filter_map(|t| {
                     let (pose, rates, a) = Response::at(&gains, t).motion_of(&start, &rates, &goal);
@@ -97,10 +178,10 @@ mod tests {
                     u.into_iter().fold(None, |least: Option<f64>, u| Some(least.map_or(u, |l| l.min(u))))
                 })
                 .fold(f64::INFINITY, f64::min);
-            most = most.max(said - smallest);
+            most = most.max(predicted - smallest);
         }
         println!("too large by at most {most:.4} N");
-        assert!(most < 0.02, "{most} N");
+        assert!(most < 1e-3, "{most} N");
     }
 
     #[test]
@@ -109,7 +190,8 @@ mod tests {
         let gains = Gains { lambda: 3.0, eta: 3.0 };
         let (start, goal) = (Pose::default(), Pose::at(0.15, 0.15, 1.0));
         let of = |goal: &Pose, time| {
-            Prediction::new(&rig, &gains, (&start, &Coordinates::zeros()), goal, time, 0.0)
+            let motion = Motion { pose: &start, rates: &Coordinates::zeros(), set_point: goal, gains };
+            Prediction::new(&rig, &motion, time, 0.0, 0.0)
         };
         let prediction = of(&goal, 2.0);
         // NOTES.md: the one-step move is admissible with a margin of 1.05 N, though (15) cannot tell.

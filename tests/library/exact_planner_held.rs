@@ -52,7 +52,13 @@ fn smallest_held(gain: f64, step: f64, order: Order) -> (f64, u32) {
                 pull.motor_tension = if order == Order::Both { late } else { now };
                 plant.step(&pull, step).unwrap();
                 count += 1;
-                smallest = now.iter().copied().fold(smallest, f64::min);
+                let least = now.iter().copied().fold(f64::INFINITY, f64::min);
+                smallest = smallest.min(least);
+                let margin = controller.outputs().tension_margin;
+                assert!(
+                    order == Order::Both || margin <= least + 1e-9,
+                    "tensionMargin {margin}, then {least} N"
+                );
                 if plant.outputs().slack != [false; 6] {
                     smallest = 0.0;
                 }

@@ -64,6 +64,8 @@ struct Class {
     reached: u64,
     /// Smallest tension commanded, as a share of the weight.
     smallest: f64,
+    /// By how much `tensionMargin` was larger than the smallest tension commanded then, at most, as a share of the weight.
+    exceeded: f64,
     /// The run that slackened a cable or lost the robot with the smallest product.
     first: Option<(f64, u64)>,
 }
@@ -92,6 +94,7 @@ struct End {
     possible: bool,
     reached: bool,
     smallest: f64,
+    exceeded: f64,
 }
 
 impl Held {
@@ -183,22 +186,22 @@ impl Held {
                 .map(|(order, class)| {
                     let c = &classes[order][class];
                     json!({"order": orders[order], "most": CLASSES[class], "runs": c.runs, "refused": c.refused, "slack": c.slack, "lost": c.lost,
-                        "goals": c.goals, "reached": c.reached, "smallest_per_weight": if c.runs > 0 { c.smallest } else { 0.0 },
+                        "goals": c.goals, "reached": c.reached, "smallest_per_weight": if c.runs > 0 { c.smallest } else { 0.0 }, "margin_exceeds_per_weight": c.exceeded,
                         "first": c.first.map(|(product, run)| json!({"product": product, "run": run}))})
                 })
                 .collect();
             return print_json(&json!({"seed": self.seed, "runs": self.runs, "classes": rows}));
         }
         let mut text = format!(
-            "seed {}, {} runs\norder             (λ+η)(h+d) up to    runs  refused  slack   lost  goals  reached  smallest tension / weight  least product that failed (run)\n",
+            "seed {}, {} runs\norder             (λ+η)(h+d) up to    runs  refused  slack   lost  goals  reached  smallest tension / weight  margin exceeds / weight  least product that failed (run)\n",
             self.seed, self.runs
         );
         for (order, row) in orders.iter().zip(classes) {
             for (most, c) in CLASSES.iter().zip(row) {
                 let first = c.first.map_or("-".to_owned(), |(product, run)| format!("{product:.4} ({run})"));
                 text += &format!(
-                    "{order:<16}  {most:>16}  {:>6}   {:>6} {:>6} {:>6} {:>6}  {:>7}  {:>25.5}  {first}\n",
-                    c.runs, c.refused, c.slack, c.lost, c.goals, c.reached, c.smallest
+                    "{order:<16}  {most:>16}  {:>6}   {:>6} {:>6} {:>6} {:>6}  {:>7}  {:>25.5}  {:>23.5}  {first}\n",
+                    c.runs, c.refused, c.slack, c.lost, c.goals, c.reached, c.smallest, c.exceeded
                 );
             }
         }
@@ -217,6 +220,7 @@ impl Class {
             goals: u64::from(end.possible),
             reached: u64::from(end.possible && end.reached),
             smallest: end.smallest,
+            exceeded: end.exceeded,
             first: failed.then_some((product, run)),
         }
     }
@@ -236,6 +240,7 @@ impl Class {
             goals: self.goals + other.goals,
             reached: self.reached + other.reached,
             smallest,
+            exceeded: self.exceeded.max(other.exceeded),
             first,
         }
     }
@@ -265,8 +270,14 @@ impl Case {
         let rig = &self.parameters.rig;
         let mut run = ClosedLoop::new(self.parameters, self.plant, self.goal(0.0))?;
         run.is_late = self.is_late;
-        let mut end =
-            End { slack: false, lost: false, possible: false, reached: false, smallest: f64::INFINITY };
+        let mut end = End {
+            slack: false,
+            lost: false,
+            possible: false,
+            reached: false,
+            smallest: f64::INFINITY,
+            exceeded: 0.0,
+        };
         let last = self.goals[self.goals.len() - 1].0;
         while run.moment().time < self.duration && !end.lost {
             let h = if self.varies { self.step * rng.random_range(0.05..=1.0) } else { self.step };
@@ -276,8 +287,9 @@ impl Case {
                 end.lost = true;
                 break;
             };
-            end.smallest =
-                controller.motor_tension.iter().map(|u| u / rig.weight()).fold(end.smallest, f64::min);
+            let smallest = controller.motor_tension.iter().copied().fold(f64::INFINITY, f64::min);
+            end.smallest = end.smallest.min(smallest / rig.weight());
+            end.exceeded = end.exceeded.max((controller.tension_margin - smallest) / rig.weight());
             end.slack |= plant.slack.contains(&true);
             let pose = &plant.encoder_pose;
             let way = (pose.position() - self.plant.initial_pose.position()).norm();
