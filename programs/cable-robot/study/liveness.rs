@@ -26,7 +26,7 @@ const POINTS: u32 = 200;
 /// Time constants of the slower gain, and besides ticks of the planner, after which a goal counts as not reached: with high gains steps are short, and there is
 /// one a tick.
 const PATIENCE: f64 = 150.0;
-const TICKS: f64 = 600.0;
+const TICKS: f64 = 3000.0;
 
 #[derive(Args)]
 pub struct Liveness {

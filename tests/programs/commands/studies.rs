@@ -76,12 +76,20 @@ fn margins_outside_the_projects_folder_says_what_is_needed() {
 /// A hundredth and a twentieth of the runs on the page.
 #[test]
 fn held_and_late_commands_slacken_no_cable() {
-    for arguments in [&["held", "--runs", "100"][..], &["held", "--runs", "100", "--imperfect"]] {
+    for (arguments, is_perfect) in
+        [(&["held", "--runs", "100"][..], true), (&["held", "--runs", "100", "--imperfect"], false)]
+    {
         let found = study(arguments);
         let count = |name: &str| -> u64 {
             found["classes"].as_array().unwrap().iter().map(|class| class[name].as_u64().unwrap()).sum()
         };
         assert_eq!((count("slack"), count("lost")), (0, 0), "{found}");
+        for class in found["classes"].as_array().unwrap().iter().filter(|_| is_perfect) {
+            assert!(class["margin_exceeds_per_weight"].as_f64().unwrap() < 1e-6, "{class}");
+        }
+        for class in found["classes"].as_array().unwrap().iter().filter(|_| is_perfect) {
+            assert!(class["margin_exceeds_per_weight"].as_f64().unwrap() < 1e-6, "{class}");
+        }
         assert!(count("runs") > 30 && count("reached") * 20 > count("goals") * 17, "{found}");
     }
 }

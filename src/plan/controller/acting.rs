@@ -1,0 +1,106 @@
+//! What the controller gives: the tensions of the law, for when they act.
+
+use super::{Controller, Mode, least};
+use crate::control::{Estimator, Response, lyapunov};
+use crate::plan::fault::{Check, Fault};
+use crate::plan::interface::ControllerInputs;
+use crate::plan::stop::Stop;
+use crate::robot::{Coordinates, PerCable, Pose, dynamics};
+
+impl Controller {
+    /// The law (4), or what stands for it when the controller may not or cannot act.
+    pub(super) fn act(&mut self, inputs: &ControllerInputs, dt: f64) {
+        if self.mode == Mode::Active {
+            let state = self.when_it_acts();
+            match self.law(&state) {
+                Some(tension) => self.pull(&tension, &state, inputs, dt),
+                None => {
+                    let fault = Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose });
+                    self.mode = self.fault(fault, self.time);
+                }
+            }
+        }
+        match self.mode {
+            Mode::Active => {}
+            Mode::Disabled => self.outputs.motor_tension = least(&self.planner),
+            Mode::Waiting(held) => self.outputs.motor_tension = held,
+            Mode::Faulted(stop) => self.outputs.motor_tension = self.braking(&stop),
+        }
+        self.report(&inputs.goal_pose);
+    }
+
+    /// The tensions of a stop in the middle of the interval in which they act.
+    fn braking(&self, stop: &Stop) -> PerCable<f64> {
+        let parameters = &self.planner.parameters;
+        let middle = self.time + parameters.command_delay + 0.5 * self.hold[0];
+        let tension = self.planner.tensions_of(stop, middle);
+        self.limited(tension.unwrap_or(least(&self.planner)))
+    }
+
+    fn law(&self, (pose, rates): &(Pose, Coordinates)) -> Option<PerCable<f64>> {
+        let gains = self.planner.parameters.gains();
+        let margin = self.planner.allowance();
+        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, &self.outputs.set_point, margin)
+    }
+
+    /// Pose and rates when the command of this step begins to act: with `holdCompensation` the estimate carried through the commands that are on
+    /// their way, else the estimate.
+    pub(super) fn when_it_begins_to_act(&self) -> (Pose, Coordinates) {
+        let Estimator { pose, rates, .. } = self.estimator;
+        if !self.planner.parameters.hold_compensation {
+            return (pose, rates);
+        }
+        let acts = self.time + self.foreseen_delay();
+        self.commands.carry((&pose, &rates), &self.disturbing(), self.time, acts)
+    }
+
+    /// Pose and rates for which the command of this step is computed: with `holdCompensation` what the closed form makes of those when it begins
+    /// to act in the middle of the interval in which it does.
+    fn when_it_acts(&self) -> (Pose, Coordinates) {
+        let (pose, rates) = self.when_it_begins_to_act();
+        let parameters = &self.planner.parameters;
+        if !parameters.hold_compensation {
+            return (pose, rates);
+        }
+        let middle = Response::at(&parameters.gains(), 0.5 * self.hold[0]);
+        let (pose, rates, _) = middle.motion_of(&pose, &rates, &self.outputs.set_point);
+        (pose, rates)
+    }
+
+    fn pull(
+        &mut self,
+        tension: &PerCable<f64>,
+        state: &(Pose, Coordinates),
+        inputs: &ControllerInputs,
+        dt: f64,
+    ) {
+        let desired = self.limited(*tension);
+        let command = if self.planner.parameters.force_loop {
+            self.force_loop.command(&desired, &inputs.measured_tension, dt)
+        } else {
+            desired
+        };
+        self.outputs.motor_tension = self.limited(command);
+        let imposed = self.imposed(state, &desired, desired != *tension) - self.disturbing();
+        self.commands.send(self.time, self.time + self.foreseen_delay(), imposed);
+    }
+
+    /// How much later than its measurement a command is reckoned to act, s.
+    pub(super) fn foreseen_delay(&self) -> f64 {
+        let parameters = &self.planner.parameters;
+        if parameters.hold_compensation { parameters.command_delay } else { 0.0 }
+    }
+
+    /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
+    fn imposed(
+        &self,
+        (pose, rates): &(Pose, Coordinates),
+        pulled: &PerCable<f64>,
+        is_clipped: bool,
+    ) -> Coordinates {
+        if is_clipped {
+            return dynamics::accelerations(self.planner.rig(), pose, rates, pulled);
+        }
+        lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, &self.outputs.set_point)
+    }
+}

@@ -1,0 +1,119 @@
+//! What the controller decides at a tick of the planner: goal, gains and the next set point.
+
+use super::Controller;
+use crate::plan::aim::WORK;
+use crate::plan::planner::{Planner, Situation};
+use crate::plan::prediction::{Motion, Prediction};
+use crate::plan::tuning::{Pending, Tuning};
+use crate::robot::{Coordinates, ParameterError, Pose};
+
+impl Controller {
+    /// What may change while it runs, as it was tuned last.
+    pub fn tuning(&self) -> Tuning {
+        self.wanted.unwrap_or_else(|| self.planner.parameters.tuning())
+    }
+
+    /// Changes gains, limits and tolerances: with the next step while no motion is planned, else at the first decision of the planner at which the motion under way
+    /// is proved to go on with them ([`Pending`]). Until then it goes on as before.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for what makes no sense; then all stays as it was.
+    pub fn tune(&mut self, tuning: &Tuning) -> Result<(), ParameterError> {
+        let tuned = self.planner.tuned(tuning).parameters;
+        tuned.rig.validate_limits()?;
+        tuned.check_settings()?;
+        self.wanted = (*tuning != self.planner.parameters.tuning()).then_some(*tuning);
+        self.outputs.pending = if self.wanted.is_some() { Pending::Undecided } else { Pending::No };
+        Ok(())
+    }
+
+    /// Takes over what was tuned, if the planner with it `can_go_on`.
+    pub(super) fn take_tuning(&mut self, can_go_on: impl FnOnce(&Planner, &Situation) -> bool) {
+        let Some(tuning) = self.wanted else { return };
+        let planner = self.planner.tuned(&tuning);
+        let (pose, rates) = self.when_it_begins_to_act();
+        let then = Situation { pose: &pose, rates: &rates, rest: planner.rest, ..self.situation() };
+        if can_go_on(&planner, &then) {
+            self.planner = planner;
+            // Where it made for followed from the limits before.
+            (self.wanted, self.search, self.aimed_for) = (None, None, None);
+            self.outputs.pending = Pending::No;
+        } else {
+            self.outputs.pending = Pending::NotProved;
+        }
+    }
+
+    /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.
+    pub(super) fn plan(&mut self, goal: &Pose) {
+        if let Some(search) = &mut self.search {
+            self.planner.advance(search, WORK);
+        }
+        let period = self.planner.parameters.planner_period;
+        let elapsed = (self.time - self.started) / period;
+        // A tick is not missed for the rounding of communication points.
+        if elapsed < self.ticks as f64 - 1e-6 {
+            return;
+        }
+        self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
+        self.take_tuning(Planner::can_go_on);
+        let set_point = self.outputs.set_point;
+        let goal = &self.take_goal(goal);
+        // A new set point changes the motion only from where its first command acts.
+        let (pose, rates) = self.when_it_begins_to_act();
+        let then = Situation { pose: &pose, rates: &rates, ..self.situation() };
+        let next = self.planner.next_set_point(&then, &self.aim);
+        let stuck = self.is_steady()
+            && next.is_none()
+            && set_point != self.aim
+            && !self.planner.waits(&self.situation(), &self.aim);
+        self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
+        let instead = if stuck { set_point } else { self.aim };
+        self.outputs.goal_distance =
+            if self.unreachable { self.planner.distance(&instead, goal) } else { 0.0 };
+        if let Some(next) = next {
+            self.outputs.set_point = next;
+            self.outputs.set_point_index += 1;
+            self.outputs.steady = false;
+        }
+        self.predict();
+    }
+
+    /// The goal, or the one before if it differs by so little that no step is worth it. The search for where the planner makes for takes a
+    /// few steps, in which the robot goes on as before.
+    fn take_goal(&mut self, goal: &Pose) -> Pose {
+        let known = self.search.map(|search| search.goal).or(self.aimed_for);
+        let goal = known.filter(|known| !self.planner.is_worth_it(known, goal)).unwrap_or(*goal);
+        if known != Some(goal) {
+            let mut search = self.planner.search(&self.outputs.set_point, &goal);
+            self.planner.advance(&mut search, WORK);
+            self.search = Some(search);
+        }
+        match self.search {
+            Some(search) if search.has_ended() => {
+                (self.aim, self.aimed_for, self.search) = (search.at, Some(goal), None);
+                goal
+            }
+            // Until it has ended, the goal before stands.
+            Some(_) => self.aimed_for.unwrap_or(self.aim),
+            None => goal,
+        }
+    }
+
+    pub(super) fn predict(&mut self) {
+        let (pose, rates) = self.when_it_begins_to_act();
+        let begins = self.time + self.foreseen_delay();
+        let hold = self.situation().hold;
+        self.prediction = prediction(&self.planner, (&pose, &rates), &self.outputs.set_point, begins, hold);
+    }
+}
+
+pub(super) fn prediction(
+    planner: &Planner,
+    state: (&Pose, &Coordinates),
+    set_point: &Pose,
+    time: f64,
+    hold: f64,
+) -> Prediction {
+    let motion = Motion { pose: state.0, rates: state.1, set_point, gains: planner.parameters.gains() };
+    Prediction::new(planner.rig(), &motion, time, planner.allowance(), planner.share_of_holding(hold))
+}
