@@ -1,5 +1,7 @@
 //! The way from values to a [`Controller`] and back.
 
+mod enumerations;
+mod parameters;
 mod rows;
 
 use super::Interface;
@@ -14,6 +16,7 @@ use cable_robot::plan::{
 use cable_robot::robot::{ParameterError, PerCable, Pose, Rig, Shape as PaperShape, TensionLimits};
 use nalgebra::Vector6;
 
+use parameters::*;
 use rows::*;
 pub use rows::{ROWS, rows_of};
 
