@@ -1,4 +1,3 @@
 //! What the programs have in common.
 
 pub mod errors;
-pub mod fmu_model;

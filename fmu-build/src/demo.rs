@@ -3,13 +3,16 @@
 use std::io::Write;
 
 use anyhow::Result;
+use cable_robot::robot::{Pose, RigFile};
+use cable_robot::sim::{ClosedLoop, PlantInputs};
+use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::Model;
 use cable_robot_fmi::describe::Version;
-use cable_robot_import::{Fmu, Instance, LogMessage, Status};
+use cable_robot_import::{LogMessage, Status};
 use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::files::write_whole;
 use cable_robot_report::run_folder::{self, FORMAT};
-use cable_robot_report::{ClosedLoop, RunFolder, RunInfo, Summary, html};
+use cable_robot_report::{Recording, RunFolder, RunInfo, Summary, Table, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{pack, project_root};
@@ -27,17 +30,7 @@ pub fn run(version: Version) -> Result<()> {
     let folder = project_root().join("target/demo");
     run_folder::make(&folder)?;
     pack::build()?;
-    let mut closed_loop =
-        ClosedLoop::new(open(Model::Controller, version)?, open(Model::Plant, version)?, GOAL, STEP)?;
-    let bar = ProgressBar::new((STOP / STEP) as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:40} {msg}")?);
-    closed_loop.run(STOP, REST, |time| {
-        bar.set_position((time / STEP) as u64);
-        bar.set_message(format!("{time:.1} s"));
-    })?;
-    bar.finish_and_clear();
-
-    let recorded = RunFolder { info: info(version), table: closed_loop.table()? };
+    let recorded = RunFolder { info: info(version), table: simulate(version)? };
     print(&recorded.run()?.summary());
     recorded.write(&folder)?;
     let page = html(&recorded)?;
@@ -47,18 +40,39 @@ pub fn run(version: Version) -> Result<()> {
     Ok(())
 }
 
-/// An instance of a packed FMU; what it has to say beyond remarks goes to stderr.
-fn open(model: Model, version: Version) -> Result<Instance> {
-    let name = match model {
-        Model::Controller => "controller",
-        Model::Plant => "plant",
-    };
+/// Runs them until the robot has rested at the goal for a while.
+fn simulate(version: Version) -> Result<Table> {
+    let rig = RigFile::default();
+    let [x, y, z] = GOAL;
+    let outside = PlantInputs::none(rig.rig.cables.len());
+    let [controller, plant] = [Model::Controller, Model::Plant].map(|model| open(model, version, &rig));
+    let mut closed_loop = ClosedLoop::with_models(controller?, plant?, Pose::at(x, y, z), &outside)?;
+    let mut recording = Recording::new(rig.rig.cables.len());
+    recording.push(closed_loop.moment())?;
+    let bar = ProgressBar::new((STOP / STEP) as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:40} {msg}")?);
+    let mut end = STOP;
+    while closed_loop.moment().time < end {
+        let moment = closed_loop.step(STEP)?;
+        recording.push(moment)?;
+        if end == STOP && moment.controller.at_goal {
+            end = STOP.min(moment.time + REST);
+        }
+        bar.set_position((moment.time / STEP) as u64);
+        bar.set_message(format!("{:.1} s", moment.time));
+    }
+    bar.finish_and_clear();
+    Ok(recording.into_table())
+}
+
+/// A packed FMU; what it has to say beyond remarks goes to stderr.
+fn open(model: Model, version: Version, rig: &RigFile) -> Result<FmuModel> {
     let log = |message: &LogMessage| {
         if message.status > Status::Ok {
             eprintln!("{}: {}", message.instance, message.text);
         }
     };
-    Ok(Fmu::open(pack::path(model, version))?.instantiate(name, Box::new(log))?)
+    FmuModel::open(&pack::path(model, version), rig, Box::new(log))
 }
 
 /// What was run: both FMUs with their defaults, Tables I and II.

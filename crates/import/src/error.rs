@@ -125,9 +125,6 @@ pub enum CosimError {
         /// The value given.
         value: Value,
     },
-    /// The master was told something that makes no sense.
-    #[error("co-simulation: {0}")]
-    Setup(String),
 }
 
 /// What the FMU said, as the end of a message.

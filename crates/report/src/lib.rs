@@ -2,7 +2,6 @@
 //!
 //! `page/` holds the page's text, style and scripts; what they draw is reckoned in `data` and lies in the page as JSON.
 
-mod closed_loop;
 mod data;
 mod domains;
 mod explanation;
@@ -16,7 +15,6 @@ pub mod run_folder;
 pub mod table;
 mod thinning;
 
-pub use closed_loop::ClosedLoop;
 pub use page::html;
 pub use recording::Recording;
 pub use run::{Run, SetPoint, Slack, SmallestTension, Summary};

@@ -7,9 +7,10 @@ use anyhow::{Context, Result};
 use cable_robot::control::static_margin;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::Slice;
-use cable_robot::robot::{Coordinates, Pose, Rig, RigFile};
-use cable_robot_import::{Fmu, LogMessage};
-use cable_robot_report::ClosedLoop;
+use cable_robot::robot::{Coordinates, Pose, RigFile};
+use cable_robot::sim::{ClosedLoop, Moment, PlantInputs};
+use cable_robot_cosim::FmuModel;
+use cable_robot_fmi::Model;
 use clap::{Args, ValueHint};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -127,15 +128,15 @@ impl Rigs {
     fn drive(&self, path: &Path, file: &RigFile, library: &Path, progress: &Progress) -> Result<Driven> {
         let folder = tempfile::tempdir()?;
         pack(path, false, folder.path(), library)?;
-        let open = |name: &str| Fmu::open(folder.path().join("fmi3").join(name).with_extension("fmu"));
-        let fmus = [open("CableRobotController")?, open("CableRobotPlant")?];
+        let packed = |model: Model| folder.path().join("fmi3").join(model.identifier()).with_extension("fmu");
+        let fmus = [Model::Controller, Model::Plant].map(packed);
         let slice = Slice { rig: &file.rig, height: file.home.0[2], angles: Vector3::zeros() };
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let (inside, outside) = goals(file, self.goals, &mut rng);
         let tick = tick(file, &inside);
         let mut runs = vec![];
         for (goal, is_inside) in inside.iter().map(|g| (g, true)).chain(outside.iter().map(|g| (g, false))) {
-            runs.push(run(&fmus, &file.rig, goal, is_inside)?);
+            runs.push(run(&fmus, file, goal, is_inside)?);
             progress.done(1);
         }
         Ok(Driven {
@@ -186,29 +187,27 @@ fn tick(file: &RigFile, goals: &[Pose]) -> f64 {
 }
 
 /// Controller and plant from home to the goal.
-fn run([controller, plant]: &[Fmu; 2], rig: &Rig, goal: &Pose, inside: bool) -> Result<Run> {
-    let silent = || Box::new(|_: &LogMessage| {});
-    let [controller, plant] =
-        [controller.instantiate("controller", silent())?, plant.instantiate("plant", silent())?];
-    let position = goal.position();
-    let mut closed_loop = ClosedLoop::new(controller, plant, position.into(), STEP)?;
-    closed_loop.run(if inside { PATIENCE } else { SHORT }, 0.0, |_| {})?;
-    let recorded = closed_loop.recorded_run()?;
-    let margin = recorded
-        .tension
-        .iter()
-        .zip(&rig.cables)
-        .flat_map(|(tension, cable)| tension.iter().map(|u| cable.limits.margin(*u)))
-        .fold(f64::INFINITY, f64::min);
-    let last = closed_loop.recorder().column("controller.status")?.last().copied().unwrap_or_default();
-    Ok(Run {
-        goal: position.into(),
-        inside,
-        reached: recorded.at_goal.last() == Some(&1.0),
-        unreachable: last == f64::from(Status::GoalUnreachable as i32),
-        margin,
-        time: recorded.times.last().copied().unwrap_or_default(),
-    })
+fn run([controller, plant]: &[PathBuf; 2], file: &RigFile, goal: &Pose, inside: bool) -> Result<Run> {
+    let open = |path: &Path| FmuModel::open(path, file, Box::new(|_| {}));
+    let outside = PlantInputs::none(file.rig.cables.len());
+    let mut closed_loop = ClosedLoop::with_models(open(controller)?, open(plant)?, *goal, &outside)?;
+    let (stop, mut margin) = (if inside { PATIENCE } else { SHORT }, f64::INFINITY);
+    loop {
+        let Moment { time, controller, plant, .. } = closed_loop.moment();
+        let tensions = plant.measured_tension.iter().zip(&file.rig.cables);
+        margin = tensions.map(|(u, cable)| cable.limits.margin(*u)).fold(margin, f64::min);
+        if *time >= stop || controller.at_goal {
+            return Ok(Run {
+                goal: goal.position().into(),
+                inside,
+                reached: controller.at_goal,
+                unreachable: controller.status == Status::GoalUnreachable,
+                margin,
+                time: *time,
+            });
+        }
+        closed_loop.step(STEP)?;
+    }
 }
 
 fn as_text(rows: &[Row]) -> String {

@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::robot::{PerCable, Pose, RigFile};
 use cable_robot::sim::{ControllerModel, ModelError};
+use cable_robot_cosim::FmuModel;
 use cable_robot_fieldbus::Config;
 use cable_robot_fieldbus::config::Parameter;
 use cable_robot_fmi::models::controller;
@@ -12,7 +13,6 @@ use cable_robot_fmi::variables::{Causality as Role, Kind};
 use cable_robot_fmi::{Interface, Model};
 use cable_robot_import::{LogMessage, Status};
 use cable_robot_programs::errors::similar;
-use cable_robot_programs::fmu_model::FmuModel;
 use cable_robot_report::run_folder;
 
 /// An instance in Step Mode.

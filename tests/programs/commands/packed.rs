@@ -1,18 +1,29 @@
 //! The packed FMUs in target/fmu, loaded as any importer would, on the paper's manoeuvre (Section VI).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use cable_robot_import::{CosimError, Fmu, Instance, Master, Value};
-use cable_robot_report::{ClosedLoop, Run};
+use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::robot::{Coordinates, Pose, RigFile};
+use cable_robot::sim::{ClosedLoop, PlantInputs};
+use cable_robot_cosim::FmuModel;
+use cable_robot_fmi::models::controller;
+use cable_robot_import::{CosimError, Fmu, Instance, Value};
+use cable_robot_report::run_folder::{FORMAT, RunFolder, RunInfo};
+use cable_robot_report::{Recording, Run};
 
 const VERSIONS: [&str; 2] = ["fmi2", "fmi3"];
 
-/// An instance of a packed FMU.
-fn instance(version: &str, model: &str, name: &str) -> Instance {
+/// A packed FMU.
+fn packed(version: &str, model: &str) -> PathBuf {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .join(format!("target/fmu/{version}/{model}.fmu"));
     assert!(path.is_file(), "{} is missing: run `cargo fmu build` first", path.display());
-    let fmu = Fmu::open(path).unwrap_or_else(|e| panic!("{e}"));
+    path
+}
+
+/// An instance of a packed FMU.
+fn instance(version: &str, model: &str, name: &str) -> Instance {
+    let fmu = Fmu::open(packed(version, model)).unwrap_or_else(|e| panic!("{e}"));
     fmu.instantiate(name, Box::new(|_| {})).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -32,13 +43,41 @@ fn value(instance: &Instance, name: &str) -> Value {
     instance.get(instance.variable(name).unwrap()).unwrap()
 }
 
+/// Runs controller and plant of one version from the paper's start to `goal` for `stop` s, or until the goal is reached if that `ends` it.
+fn run(version: &str, parameters: &ControllerParameters, goal: Pose, stop: f64, ends: bool) -> RunFolder {
+    let rig = RigFile::default();
+    let open = |model| FmuModel::open(&packed(version, model), &rig, Box::new(|_| {})).unwrap();
+    let (mut controller, plant) = (open("CableRobotController"), open("CableRobotPlant"));
+    controller
+        .set_parameters(|interface, values| {
+            controller::write_parameters(interface, parameters, values);
+            Ok(())
+        })
+        .unwrap();
+    let info = RunInfo {
+        format: FORMAT,
+        program_version: String::new(),
+        title: String::new(),
+        scenario: None,
+        controller: controller.info(),
+        plant: plant.info(),
+        rig: rig.name.clone(),
+        step: 1e-3,
+        controller_parameters: *parameters,
+        plant_parameters: Default::default(),
+    };
+    let mut closed_loop = ClosedLoop::with_models(controller, plant, goal, &PlantInputs::none(6)).unwrap();
+    let mut recording = Recording::new(6);
+    recording.push(closed_loop.moment()).unwrap();
+    while closed_loop.moment().time < stop && !(ends && closed_loop.moment().controller.at_goal) {
+        recording.push(closed_loop.step(1e-3).unwrap()).unwrap();
+    }
+    RunFolder { info, table: recording.into_table() }
+}
+
 /// Runs the manoeuvre with the FMUs of one version.
 fn manoeuvre(version: &str) -> Run {
-    let controller = instance(version, "CableRobotController", "controller");
-    let plant = instance(version, "CableRobotPlant", "plant");
-    let mut closed_loop = ClosedLoop::new(controller, plant, [0.15, 0.15, 1.0], 1e-3).unwrap();
-    closed_loop.run(12.0, 12.0, |_| {}).unwrap();
-    closed_loop.recorded_run().unwrap()
+    run(version, &ControllerParameters::default(), Pose::at(0.15, 0.15, 1.0), 12.0, false).run().unwrap()
 }
 
 #[test]
@@ -75,19 +114,12 @@ fn fmi_2_and_fmi_3_give_the_same_bits() {
 #[test]
 fn the_exact_planner_turns() {
     for version in VERSIONS {
-        let controller = instance(version, "CableRobotController", "controller");
-        let settings = [
-            ("planner", Value::Int(2)),
-            ("goalPose.roll", Value::Float(0.1)),
-            ("goalPose.yaw", Value::Float(0.6)),
-        ];
-        controller.set_parameters(&settings).unwrap();
-        let plant = instance(version, "CableRobotPlant", "plant");
-        let mut closed_loop = ClosedLoop::new(controller, plant, [0.05, 0.0, 0.9], 1e-3).unwrap();
-        closed_loop.run(8.0, 0.1, |_| {}).unwrap();
-        let summary = closed_loop.recorded_run().unwrap().summary();
+        let parameters = ControllerParameters { planner: PlannerKind::Exact, ..Default::default() };
+        let goal = Pose(Coordinates::new(0.05, 0.0, 0.9, 0.1, 0.0, 0.6));
+        let recorded = run(version, &parameters, goal, 8.0, true);
+        let summary = recorded.run().unwrap().summary();
         assert!(summary.time_to_goal.is_some() && summary.slack.is_empty(), "{summary:?}");
-        let last = |name: &str| *closed_loop.recorder().column(name).unwrap().last().unwrap();
+        let last = |name: &str| *recorded.table.column(name).unwrap().last().unwrap();
         assert_eq!((last("controller.setPoint.yaw"), last("controller.status")), (0.6, 4.0));
         assert!(
             (last("plant.encoderPose.yaw") - 0.6).abs() < 0.01 && last("controller.setPointIndex") == 1.0
@@ -144,30 +176,4 @@ fn what_the_fmu_logs_about_a_parameter_stands_in_the_error() {
         let error = plant.exit_initialization().expect_err("a negative mass").to_string();
         assert!(error.contains("m = -6"), "{error}");
     }
-}
-
-#[test]
-fn the_master_refuses_what_makes_no_sense() {
-    let plant = |name: &str| instance("fmi3", "CableRobotPlant", name);
-    let refused = |instances: Vec<Instance>, connections: &[(&str, &str)], step: f64| {
-        Master::new(instances, connections, step).err().expect("wrong on purpose").to_string()
-    };
-    let zero = refused(vec![], &[], 0.0);
-    assert_eq!(zero, "co-simulation: the step is 0 s; it must be finite and greater than 0");
-    let twice = refused(vec![plant("p"), plant("p")], &[], 1e-3);
-    assert_eq!(twice, "co-simulation: two instances are called p");
-    let unknown = refused(vec![plant("p"), plant("q")], &[("p.m", "r.m")], 1e-3);
-    assert_eq!(unknown, "co-simulation: there is no instance r; there are: p, q");
-    let no_variable = refused(vec![plant("p")], &[("p.m", "p.mass")], 1e-3);
-    assert_eq!(no_variable, "p has no variable mass");
-    let no_path = refused(vec![plant("p")], &[("m", "p.m")], 1e-3);
-    assert_eq!(no_path, "co-simulation: \"m\" is not of the form instance.variable");
-}
-
-#[test]
-fn communication_points_do_not_drift() {
-    let mut master = Master::new(vec![instance("fmi3", "CableRobotPlant", "p")], &[], 0.1).unwrap();
-    master.initialize(0.0, None).unwrap();
-    (0..30).for_each(|_| master.step().unwrap());
-    assert_eq!(master.time(), 3.0, "not the sum of thirty 0.1");
 }
