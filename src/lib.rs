@@ -35,7 +35,8 @@
 //! | crate | |
 //! |---|---|
 //! | `cable_robot_fmi` | the C boundary: one library, two models, FMI 2.0 and 3.0 (`cable_robot_bindings`: the standard's headers) |
-//! | `cable_robot_import` | an importer that steps any FMUs together; it knows of no cables |
+//! | `cable_robot_import` | an importer of FMUs; it knows of no cables |
+//! | `cable_robot_cosim` | FMUs in the place of the library's controller and plant |
 //! | `cable_robot_fieldbus` | VII: drives and load cells on a CAN bus, the bridge, SocketCAN and serial adapters |
 //! | `cable_robot_modelica` | controller and planner as a small C library, for Modelica's external objects |
 //! | `cable_robot_report` | what a person looks at |
