@@ -13,20 +13,35 @@ use crate::project_root;
 /// Bytes that a packed FMU may have.
 const LARGEST: u64 = 2_000_000;
 
-/// The library exports the functions of both standards and nothing else.
-pub fn exports(library: &Path) -> Result<()> {
-    let output = Command::new("nm").args(["-D", "--defined-only"]).arg(library).output();
-    let output = output.context("cannot start nm (Debian: binutils)")?;
-    ensure!(output.status.success(), "nm: {}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).context("nm writes no text")?;
-    let exported: BTreeSet<_> =
-        text.lines().filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect();
+/// Functions of C's mathematics library: they differ from platform to platform in the last digits.
+const MATHEMATICS: [&str; 26] = [
+    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "cos", "cosh", "exp", "exp2",
+    "expm1", "fma", "fmod", "hypot", "log", "log10", "log1p", "log2", "pow", "sin", "sincos", "sinh", "tan",
+    "tanh",
+];
+
+/// The library exports the functions of both standards and nothing else, and takes no mathematics from the platform.
+pub fn symbols(library: &Path) -> Result<()> {
+    let exported = listed(library, "--defined-only")?;
+    let taken = listed(library, "--undefined-only")?;
+    let mathematics: Vec<_> = MATHEMATICS.into_iter().filter(|name| taken.contains(*name)).collect();
+    ensure!(mathematics.is_empty(), "the library takes from the platform {}", mathematics.join(", "));
     let standard = &declared("2.0", "FMI2_Export")? | &declared("3.0", "FMI3_Export")?;
     let list = |names: BTreeSet<String>| names.into_iter().collect::<Vec<_>>().join(", ");
     let (lacking, foreign) = (list(&standard - &exported), list(&exported - &standard));
     ensure!(lacking.is_empty(), "the library lacks {lacking}");
     ensure!(foreign.is_empty(), "the library also exports {foreign}");
     Ok(())
+}
+
+/// Names, without versions, of the dynamic symbols of a kind.
+fn listed(library: &Path, kind: &str) -> Result<BTreeSet<String>> {
+    let output = Command::new("nm").args(["-D", kind]).arg(library).output();
+    let output = output.context("cannot start nm (Debian: binutils)")?;
+    ensure!(output.status.success(), "nm: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).context("nm writes no text")?;
+    let names = text.lines().filter_map(|line| line.split_whitespace().last()?.split('@').next());
+    Ok(names.map(str::to_owned).collect())
 }
 
 /// Names of the functions that the official header declares, on lines such as

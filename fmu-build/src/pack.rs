@@ -19,7 +19,7 @@ pub fn build() -> Result<Vec<PathBuf>> {
 /// The same with the library compiled below another folder, which also gets the FMUs.
 pub fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
     let library = library::build("cable-robot-fmi", target)?;
-    check::exports(&library)?;
+    check::symbols(&library)?;
     let library = fs::read(&library).with_context(|| format!("cannot read {}", library.display()))?;
     let mut packed = vec![];
     for version in VERSIONS {

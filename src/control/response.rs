@@ -34,9 +34,9 @@ impl Response {
         // φ is the same with the gains exchanged; with the slower one in front no exponential can overflow.
         let x = (eta - lambda).abs() * t;
         // (1 - exp(-x))/x without loss of digits near x = 0.
-        let quotient = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
-        let decay = (-lambda * t).exp();
-        let phi = t * (-lambda.min(eta) * t).exp() * quotient;
+        let quotient = if x == 0.0 { 1.0 } else { -libm::expm1(-x) / x };
+        let decay = libm::exp(-lambda * t);
+        let phi = t * libm::exp(-lambda.min(eta) * t) * quotient;
         let d_phi = decay - eta * phi;
         let dd_phi = -(lambda + eta) * d_phi - lambda * eta * phi;
         let f = decay + lambda * phi;
