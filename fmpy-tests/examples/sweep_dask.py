@@ -63,13 +63,13 @@ def workers(text):
 
 
 def local_cluster(count):
-    """Workers on this machine, which leave Ctrl-C to this program: it ends them, and they need not say so. While they start nobody hears it."""
+    """Workers on this machine, which leave Ctrl-C to this program: it ends them, and what they then lack they need not say. While they start nobody hears it."""
     from dask.distributed import LocalCluster
 
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         # One thread a worker: Python lets only one of them work.
-        return LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs=logging.ERROR)
+        return LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL)
     finally:
         signal.signal(signal.SIGINT, handler)
 

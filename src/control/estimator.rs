@@ -94,7 +94,7 @@ impl Estimator {
         let keep = libm::exp(-OBSERVER_POLE * dt);
         // The share of an error of the disturbance that goes in this step. The gains place the poles keep, keep and 1 - share.
         let share = observer.map_or(0.0, |(_, observer)| -libm::expm1(-observer.pole * dt));
-        let square = (1.0 - keep).powi(2);
+        let square = (1.0 - keep) * (1.0 - keep);
         // The prediction counts its angles in the measurement's turn.
         self.pose = Pose(measured.0 - innovation * (keep * keep * (1.0 - share)));
         let gain = square + share * (1.0 - keep * keep - 0.5 * square);

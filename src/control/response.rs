@@ -13,7 +13,8 @@ pub fn time_to_rest(gains: &Gains) -> f64 {
 
 /// `count` instants (two or more) from 0 to `end` (s), denser at the start: where a motion is looked at.
 pub fn instants(end: f64, count: usize) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
-    (0..count).map(move |k| end * (k as f64 / (count - 1) as f64).powi(2))
+    let share = move |k: usize| k as f64 / (count - 1) as f64;
+    (0..count).map(move |k| end * (share(k) * share(k)))
 }
 
 /// Unit responses of e'' + (λ₀ + η₀) e' + λ₀ η₀ e = 0 for an error e = x - x_d, evaluated at one time.
