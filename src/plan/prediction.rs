@@ -9,6 +9,8 @@ use crate::robot::{Coordinates, PerCable, Pose, Rig};
 const INSTANTS: usize = 32;
 /// Time after which they lie twice as far apart as at the start, in time constants of the faster gain.
 const DENSE: f64 = 0.5;
+/// For valleys less deep than this share of the weight the parabola is good enough: at rest there are many, of rounding.
+const SHALLOW: f64 = 1e-6;
 
 /// Smallest tension of any cable from each of a row of instants on, along the closed form (12), (13) of all six coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,9 +52,10 @@ impl Prediction {
             if let (Some(here), [Some(next), Some(last)]) = (here, after) {
                 // A valley between the instants is looked at where the parabola has it.
                 for (place, least, i) in valleys(&here, &next, &last) {
-                    if least < range.least[i] {
+                    if least < range.least[i] - SHALLOW * rig.weight() {
                         range.include(tensions_at((k + 1) as f64 + place).as_ref());
                     }
+                    range.least[i] = range.least[i].min(least);
                 }
                 prediction.smallest[k + 1] = range.smallest() - held * range.change();
             }
