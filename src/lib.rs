@@ -61,6 +61,8 @@
 //! | β, N, T_s | `beta`, `bisection_steps`, `planner_period` | -, -, s | (17), Table II |
 //! | z_c, c | `z_c`, `c` | m, - | height in (15), c = z_c ω_n²/g |
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod checked_toml;
 pub mod control;
 pub mod plan;

@@ -4,30 +4,34 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 
 use crate::project_root;
 
 /// Builds the library of a package below `target` and returns its path. What the compiler says is shown only if it fails.
 pub fn build(package: &str, target: &Path) -> Result<PathBuf> {
-    // Shown on a terminal only.
-    let spinner = ProgressBar::new_spinner().with_message("building the library");
-    spinner.enable_steady_tick(Duration::from_millis(100));
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
-    let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+    command
         .args(["rustc", "--release", "--package", package, "--lib", "--crate-type", "cdylib"])
         .arg("--target-dir")
         .arg(target)
         .args(["--", "-C", "strip=symbols"])
-        .current_dir(project_root())
-        .output()
-        .context("cannot start cargo")?;
-    spinner.finish_and_clear();
-    if !output.status.success() {
-        bail!("the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
-    }
+        .current_dir(project_root());
+    run(&mut command, "building the library")?;
     let name = package.replace('-', "_");
     let name = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(target.join("release").join(name))
+}
+
+/// Runs a compiler. What it says is shown only if it fails.
+pub fn run(command: &mut Command, what: &str) -> Result<()> {
+    // Shown on a terminal only.
+    let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    let output = command.output().with_context(|| format!("cannot start {:?}", command.get_program()))?;
+    spinner.finish_and_clear();
+    ensure!(output.status.success(), "{what} failed:\n{}", String::from_utf8_lossy(&output.stderr));
+    Ok(())
 }

@@ -2,9 +2,12 @@
 
 mod check;
 mod demo;
+mod foreign;
 mod library;
 mod modelica;
 mod pack;
+mod platforms;
+mod python;
 mod rig_demo;
 mod verify;
 
@@ -41,21 +44,29 @@ enum Task {
     /// Puts the Modelica package with its library into target/modelica
     Modelica,
     /// Runs every check and every test
-    Verify,
+    Verify {
+        /// And what takes longer: all platforms
+        #[arg(long)]
+        all: bool,
+    },
 }
 
 #[derive(Subcommand)]
 enum FmuTask {
     /// Builds the library, packs the four FMUs into target/fmu and checks them
-    Build,
+    Build {
+        /// With libraries for x86_64-linux (glibc 2.17), aarch64-linux and x86_64-windows, into target/platforms/fmu; .ci/all installs what that takes
+        #[arg(long)]
+        all: bool,
+    },
     /// Writes what ships in the FMUs to modelDescription/, where it can be read
     Describe,
 }
 
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().task {
-        Task::Fmu(FmuTask::Build) => {
-            for path in pack::build()? {
+        Task::Fmu(FmuTask::Build { all }) => {
+            for path in if all { pack::build_for_all()? } else { pack::build()? } {
                 println!("{}", path.display());
             }
             Ok(())
@@ -68,7 +79,7 @@ fn main() -> anyhow::Result<()> {
             println!("{}", modelica::build()?.display());
             Ok(())
         }
-        Task::Verify => verify::verify(),
+        Task::Verify { all } => verify::verify(all),
     }
 }
 

@@ -9,7 +9,11 @@ use cable_robot_fmi::describe::{VERSIONS, Version, checked_in};
 use cable_robot_fmi::{MODELS, Model};
 use cable_robot_import::{FmiVersion, platform};
 
+use crate::platforms::{self, PLATFORMS, Platform};
 use crate::{check, library, project_root};
+
+/// The package whose library the FMUs carry.
+const LIBRARY: &str = "cable-robot-fmi";
 
 /// Builds, packs and checks the four FMUs; returns their paths.
 pub fn build() -> Result<Vec<PathBuf>> {
@@ -18,16 +22,52 @@ pub fn build() -> Result<Vec<PathBuf>> {
 
 /// The same with the library compiled below another folder, which also gets the FMUs.
 pub fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
-    let library = library::build("cable-robot-fmi", target)?;
-    check::exports(&library)?;
-    let library = fs::read(&library).with_context(|| format!("cannot read {}", library.display()))?;
+    let library = library::build(LIBRARY, target)?;
+    check::symbols(&library)?;
+    let folder = |version| {
+        platform(match version {
+            Version::Fmi2 => FmiVersion::V2,
+            Version::Fmi3 => FmiVersion::V3,
+        })
+    };
+    let bytes = read(&library)?;
+    pack(target, |model, version| {
+        let name = format!("{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
+        Files::from([(format!("binaries/{}/{name}", folder(version)), bytes.clone())])
+    })
+}
+
+/// The same with libraries for all platforms, into target/platforms/fmu.
+pub fn build_for_all() -> Result<Vec<PathBuf>> {
+    let libraries = PLATFORMS
+        .iter()
+        .map(|platform| {
+            let library = platform.build_library(LIBRARY)?;
+            check::of_platform(platform, &library).with_context(|| platform.target)?;
+            Ok((platform, read(&library)?))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    pack(&platforms::folder(), |model, version| {
+        let place = |(platform, bytes): &(&Platform, Vec<u8>)| {
+            let folder = platform.folders[usize::from(version == Version::Fmi3)];
+            (format!("binaries/{folder}/{}{}", model.identifier(), platform.library), bytes.clone())
+        };
+        libraries.iter().map(place).collect()
+    })
+}
+
+fn read(library: &Path) -> Result<Vec<u8>> {
+    fs::read(library).with_context(|| format!("cannot read {}", library.display()))
+}
+
+/// Packs and checks the FMUs of both versions, each model's after the other's.
+fn pack(target: &Path, libraries: impl Fn(Model, Version) -> Files) -> Result<Vec<PathBuf>> {
     let mut packed = vec![];
     for version in VERSIONS {
         for model in MODELS {
             let path = path_below(target, model, version);
-            let libraries = libraries(model, version, library.clone());
-            archive::write(&path, &archive::contents(&model.interface(), version, &libraries, None))
-                .with_context(|| format!("cannot pack {}", path.display()))?;
+            let files = archive::contents(&model.interface(), version, &libraries(model, version), None);
+            archive::write(&path, &files).with_context(|| format!("cannot pack {}", path.display()))?;
             check::packed(&path).with_context(|| format!("{} is not as it should be", path.display()))?;
             packed.push(path);
         }
@@ -53,14 +93,4 @@ pub fn path(model: Model, version: Version) -> PathBuf {
 
 fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
     target.join("fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
-}
-
-/// The library by its path in the archive.
-fn libraries(model: Model, version: Version, library: Vec<u8>) -> Files {
-    let folder = platform(match version {
-        Version::Fmi2 => FmiVersion::V2,
-        Version::Fmi3 => FmiVersion::V3,
-    });
-    let path = format!("binaries/{folder}/{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
-    Files::from([(path, library)])
 }

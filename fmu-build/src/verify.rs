@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-use crate::project_root;
+use crate::{foreign, project_root, python};
 
 /// What became of one stage.
 struct Row {
@@ -50,11 +50,15 @@ const VIRTUAL_MACHINE: [&str; 6] = [
     "/usr/bin/apt-get",
 ];
 
+/// What takes longer.
+const LONGER: [Stage; 1] = [("platforms", |_| Ok(Outcome::Passed(foreign::compare()?)))];
+
 /// Runs every stage, also after a failure, and fails if one did.
-pub fn verify() -> Result<()> {
+pub fn verify(all: bool) -> Result<()> {
     let root = project_root();
     let mut rows = vec![];
-    for (stage, check) in STAGES {
+    let longer = LONGER.into_iter().filter(|_| all);
+    for (stage, check) in STAGES.into_iter().chain(longer) {
         eprintln!("\n== {stage}");
         let start = Instant::now();
         let outcome = check(&root).unwrap_or_else(|error| Outcome::Failed(format!("{error:#}")));
@@ -173,20 +177,10 @@ fn built_twice(root: &Path) -> Result<Outcome> {
     Ok(Outcome::Passed(1))
 }
 
-/// pytest in an environment of its own, made anew when the requirements change.
+/// pytest in an environment of its own.
 fn python_tests(root: &Path) -> Result<Outcome> {
-    let environment = root.join("target/python");
+    let environment = python::environment(&root.join("fmpy-tests/requirements.txt"), "python")?;
     let python = environment.join("bin/python");
-    let requirements = root.join("fmpy-tests/requirements.txt");
-    let wanted = std::fs::read_to_string(&requirements)?;
-    let stamp = environment.join("requirements.txt");
-    if std::fs::read_to_string(&stamp).ok().as_deref() != Some(&wanted) {
-        let path = environment.to_string_lossy();
-        expect_success(run(root, "python3", &["-m", "venv", "--clear", &path])?)?;
-        let arguments = ["-m", "pip", "install", "--quiet", "--requirement", &requirements.to_string_lossy()];
-        expect_success(run(root, &python.to_string_lossy(), &arguments)?)?;
-        std::fs::write(&stamp, wanted)?;
-    }
     run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests"])
 }
 
@@ -196,13 +190,6 @@ fn failed_test(line: &str) -> Option<&str> {
     let of_pytest =
         || line.strip_prefix("FAILED ").map(|rest| rest.split_once(" - ").map_or(rest, |(name, _)| name));
     of_cargo.map(str::trim_end).or_else(of_pytest)
-}
-
-fn expect_success(outcome: Outcome) -> Result<()> {
-    match outcome {
-        Outcome::Failed(why) => bail!(why),
-        Outcome::Passed(_) | Outcome::Skipped(_) => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -39,13 +39,13 @@ impl DelayWatch {
     pub fn update(&mut self, commanded: &Coordinates, correction: &Coordinates, dt: f64, radius: f64) {
         let later = self.before - commanded;
         self.before = *commanded;
-        let keep = (-OBSERVER_POLE * dt).exp();
+        let keep = libm::exp(-OBSERVER_POLE * dt);
         self.once = self.once * keep + later * (1.0 - keep);
         self.change = self.change * keep + self.once * (1.0 - keep);
         let product = |a: &Coordinates, b: &Coordinates| -> f64 {
             (0..6).map(|k| a[k] * b[k] * if k < 3 { 1.0 } else { radius * radius }).sum()
         };
-        let forget = (-dt / MEMORY).exp();
+        let forget = libm::exp(-dt / MEMORY);
         let now = [
             product(&self.change, &self.change),
             product(&self.change, correction),

@@ -91,10 +91,10 @@ impl Estimator {
         let predicted = Pose(self.pose.0 + self.rates * dt + acceleration * (0.5 * dt * dt));
         let innovation = measured.minus(&predicted);
         // The double pole exp(-100 t) sampled: any step is stable, and a long one makes it a plain difference.
-        let keep = (-OBSERVER_POLE * dt).exp();
+        let keep = libm::exp(-OBSERVER_POLE * dt);
         // The share of an error of the disturbance that goes in this step. The gains place the poles keep, keep and 1 - share.
-        let share = observer.map_or(0.0, |(_, observer)| -(-observer.pole * dt).exp_m1());
-        let square = (1.0 - keep).powi(2);
+        let share = observer.map_or(0.0, |(_, observer)| -libm::expm1(-observer.pole * dt));
+        let square = (1.0 - keep) * (1.0 - keep);
         // The prediction counts its angles in the measurement's turn.
         self.pose = Pose(measured.0 - innovation * (keep * keep * (1.0 - share)));
         let gain = square + share * (1.0 - keep * keep - 0.5 * square);

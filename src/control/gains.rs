@@ -42,17 +42,17 @@ impl Gains {
     /// Greatest value of φ of [`Response`](super::Response), s: e^(-μt)/M at t = ln(M/μ)/(M - μ), μ the smaller gain, M the larger.
     pub fn largest_phi(&self) -> f64 {
         let (slow, fast) = (self.lambda.min(self.eta), self.lambda.max(self.eta));
-        let peak = if slow == fast { 1.0 / slow } else { ((fast - slow) / slow).ln_1p() / (fast - slow) };
-        (-slow * peak).exp() / fast
+        let peak = if slow == fast { 1.0 / slow } else { libm::log1p((fast - slow) / slow) / (fast - slow) };
+        libm::exp(-slow * peak) / fast
     }
 
     /// Z_M of Eq. (14): the largest value of x_s = x''/(ω_n² (x₀ - x_d)), which starts at -1.
     ///
     /// With θ = acosh ξ = |ln(η₀/λ₀)|/2 the maximum at ω_n t = 2θ/sinh θ is exp(-2 θ coth θ).
     pub fn z_m(&self) -> f64 {
-        let theta = 0.5 * (self.eta / self.lambda).ln().abs();
-        let theta_coth = if theta < 1e-4 { 1.0 + theta * theta / 3.0 } else { theta / theta.tanh() };
-        (-2.0 * theta_coth).exp()
+        let theta = 0.5 * libm::log(self.eta / self.lambda).abs();
+        let theta_coth = if theta < 1e-4 { 1.0 + theta * theta / 3.0 } else { theta / libm::tanh(theta) };
+        libm::exp(-2.0 * theta_coth)
     }
 }
 

@@ -13,7 +13,8 @@ pub fn time_to_rest(gains: &Gains) -> f64 {
 
 /// `count` instants (two or more) from 0 to `end` (s), denser at the start: where a motion is looked at.
 pub fn instants(end: f64, count: usize) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
-    (0..count).map(move |k| end * (k as f64 / (count - 1) as f64).powi(2))
+    let share = move |k: usize| k as f64 / (count - 1) as f64;
+    (0..count).map(move |k| end * (share(k) * share(k)))
 }
 
 /// Unit responses of e'' + (λ₀ + η₀) e' + λ₀ η₀ e = 0 for an error e = x - x_d, evaluated at one time.
@@ -34,9 +35,9 @@ impl Response {
         // φ is the same with the gains exchanged; with the slower one in front no exponential can overflow.
         let x = (eta - lambda).abs() * t;
         // (1 - exp(-x))/x without loss of digits near x = 0.
-        let quotient = if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x };
-        let decay = (-lambda * t).exp();
-        let phi = t * (-lambda.min(eta) * t).exp() * quotient;
+        let quotient = if x == 0.0 { 1.0 } else { -libm::expm1(-x) / x };
+        let decay = libm::exp(-lambda * t);
+        let phi = t * libm::exp(-lambda.min(eta) * t) * quotient;
         let d_phi = decay - eta * phi;
         let dd_phi = -(lambda + eta) * d_phi - lambda * eta * phi;
         let f = decay + lambda * phi;

@@ -83,7 +83,7 @@ impl Planner {
             if beta < 1.0 {
                 return Some(way.at(beta));
             }
-            goal = way.at(1.0 - 0.5f64.powi(steps));
+            goal = way.at(1.0 - libm::scalbn(1.0, -steps));
         }
         None
     }

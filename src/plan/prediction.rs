@@ -84,15 +84,15 @@ struct Instants {
 impl Instants {
     fn of(gains: &Gains) -> Self {
         let dense = DENSE / gains.lambda.max(gains.eta);
-        Self { dense, growth: (response::time_to_rest(gains) / dense).ln_1p() / (INSTANTS - 1) as f64 }
+        Self { dense, growth: libm::log1p(response::time_to_rest(gains) / dense) / (INSTANTS - 1) as f64 }
     }
 
     fn time(&self, place: f64) -> f64 {
-        self.dense * (self.growth * place).exp_m1()
+        self.dense * libm::expm1(self.growth * place)
     }
 
     fn place(&self, time: f64) -> f64 {
-        ((time.max(0.0) / self.dense).ln_1p() / self.growth).min((INSTANTS - 1) as f64)
+        (libm::log1p(time.max(0.0) / self.dense) / self.growth).min((INSTANTS - 1) as f64)
     }
 }
 

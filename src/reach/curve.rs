@@ -34,7 +34,7 @@ impl Curve {
             return self.a;
         }
         let [f, phi] = Response::at(gains, t).unit();
-        self.a + self.b * f + self.c * phi + self.d * (-(gains.lambda + gains.eta) * t).exp()
+        self.a + self.b * f + self.c * phi + self.d * libm::exp(-(gains.lambda + gains.eta) * t)
     }
 
     /// The extremes: at t = 0, at rest, or where the derivative vanishes, which without the last term is at one time in closed form and
@@ -63,7 +63,7 @@ impl Curve {
             return None; // Also for c = 0.
         }
         let x = (fast - slow) / above;
-        Some(if x == 0.0 { 1.0 / above } else { x.ln_1p() / (x * above) })
+        Some(if x == 0.0 { 1.0 / above } else { libm::log1p(x) / (x * above) })
     }
 
     /// The derivative times exp(slow t), F = c - (b λ₀ η₀ + c fast) Φ - d S exp(-fast t) with Φ = φ exp(slow t), has a derivative with one
@@ -74,12 +74,12 @@ impl Curve {
         let push = self.d * (slow + fast);
         let spread = fast - slow;
         let f = |t: f64| {
-            let big_phi = if spread * t == 0.0 { t } else { -(-spread * t).exp_m1() / spread };
-            self.c - pull * big_phi - push * (-fast * t).exp()
+            let big_phi = if spread * t == 0.0 { t } else { -libm::expm1(-spread * t) / spread };
+            self.c - pull * big_phi - push * libm::exp(-fast * t)
         };
         // After this time everything but `a` is below the rounding error.
         let end = 80.0 / slow;
-        let turn = -(pull / (push * fast)).ln() / slow;
+        let turn = -libm::log(pull / (push * fast)) / slow;
         if turn > 0.0 && turn < end {
             [root(&f, 0.0, turn), root(&f, turn, end)]
         } else {

@@ -103,7 +103,7 @@ impl Slice<'_> {
             .into_par_iter()
             .map(|k| {
                 let azimuth = std::f64::consts::TAU * k as f64 / count as f64;
-                let direction = Vector2::new(azimuth.cos(), azimuth.sin());
+                let direction = Vector2::new(libm::cos(azimuth), libm::sin(azimuth));
                 interior + direction * self.first_exit(interior, &direction, stride)
             })
             .collect()

@@ -55,15 +55,15 @@ impl Pose {
 
     /// E with ω = E (roll', pitch', yaw')ᵀ in the base frame.
     pub fn rate_matrix(&self) -> Matrix3<f64> {
-        let (sp, cp) = self.0[4].sin_cos();
-        let (sy, cy) = self.0[5].sin_cos();
+        let (sp, cp) = libm::sincos(self.0[4]);
+        let (sy, cy) = libm::sincos(self.0[5]);
         Matrix3::new(cy * cp, -sy, 0.0, sy * cp, cy, 0.0, -sp, 0.0, 1.0)
     }
 
     /// dE/dt at these rates of the coordinates.
     pub fn rate_matrix_derivative(&self, rates: &Coordinates) -> Matrix3<f64> {
-        let (sp, cp) = self.0[4].sin_cos();
-        let (sy, cy) = self.0[5].sin_cos();
+        let (sp, cp) = libm::sincos(self.0[4]);
+        let (sy, cy) = libm::sincos(self.0[5]);
         let (dp, dy) = (rates[4], rates[5]);
         Matrix3::new(
             -sy * cp * dy - cy * sp * dp,
@@ -88,7 +88,7 @@ impl Default for Pose {
 
 /// The same angle in [-π, π].
 fn wrap(angle: f64) -> f64 {
-    if angle.abs() <= std::f64::consts::PI { angle } else { angle.sin().atan2(angle.cos()) }
+    if angle.abs() <= std::f64::consts::PI { angle } else { libm::atan2(libm::sin(angle), libm::cos(angle)) }
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ impl Pulley {
         let free = (square - self.radius * self.radius).sqrt();
         let (cos, sin) = ((p * self.radius - q * free) / square, (q * self.radius + p * free) / square);
         let direction = sideways * (-sin / distance) + self.axis * cos;
-        Run { direction, free, length: free + self.radius * (std::f64::consts::PI - sin.atan2(cos)) }
+        Run { direction, free, length: free + self.radius * (std::f64::consts::PI - libm::atan2(sin, cos)) }
     }
 }
 

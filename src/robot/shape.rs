@@ -220,11 +220,11 @@ fn candidates(rig: &Rig) -> impl Iterator<Item = Fit> {
     let flat = rig.cables.map(|cable| (upright.inverse() * (cable.anchor - origin)).xy());
     // The paper's base vertices stand at 60, 180 and 300 degrees: three times their azimuth is half a turn.
     let cubed: Vector2<f64> = flat.iter().map(turned_by_thrice).sum();
-    let first = ((-cubed.y).atan2(-cubed.x)) / 3.0;
+    let first = libm::atan2(-cubed.y, -cubed.x) / 3.0;
     (0..3).flat_map(move |third| {
         let turn = first + f64::from(third) * std::f64::consts::TAU / 3.0;
         let base = Frame { origin, rotation: upright * Rotation3::from_axis_angle(&Vector3::z_axis(), turn) };
-        let turn = turn.sin().atan2(turn.cos()).abs();
+        let turn = libm::atan2(libm::sin(turn), libm::cos(turn)).abs();
         (0..8).filter_map(move |choice| {
             let (shape, misfit) = fit(rig, base, order(rig, &base, choice)?)?;
             Some(Fit { shape, misfit, turn })
@@ -234,8 +234,8 @@ fn candidates(rig: &Rig) -> impl Iterator<Item = Fit> {
 
 /// A vector of the same length at three times the azimuth.
 fn turned_by_thrice(p: &Vector2<f64>) -> Vector2<f64> {
-    let azimuth = 3.0 * p.y.atan2(p.x);
-    Vector2::new(azimuth.cos(), azimuth.sin()) * p.norm()
+    let azimuth = 3.0 * libm::atan2(p.y, p.x);
+    Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * p.norm()
 }
 
 /// The rig's cables in the order of the paper's, by the base vertex that each is nearest to; bit v of `choice` exchanges the two at vertex

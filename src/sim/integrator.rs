@@ -59,7 +59,7 @@ pub fn integrate(
             }
         }
         // An error that is no number shrinks the step as much as possible.
-        h *= (0.9 * error.powf(-0.2)).clamp(0.1, 5.0).max(0.1);
+        h *= (0.9 * libm::pow(error, -0.2)).clamp(0.1, 5.0).max(0.1);
         if t + h == t {
             return Err(Stopped { time: t, cause: "the motion is too fast to be followed" });
         }

@@ -1,8 +1,7 @@
 //! The plant: a rigid body on its cables, with the imperfections of a real rig if asked for.
 
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -250,8 +249,9 @@ impl Plant {
         if deviation == 0.0 {
             return 0.0;
         }
-        let unit: f64 = StandardNormal.sample(&mut self.noise);
-        deviation * unit
+        // Box and Muller's; the logarithm's argument is above zero.
+        let [share, turn]: [f64; 2] = [self.noise.random(), self.noise.random()];
+        deviation * (-2.0 * libm::log1p(-share)).sqrt() * libm::cos(std::f64::consts::TAU * turn)
     }
 }
 
@@ -265,7 +265,7 @@ fn lagged(start: &PerCable<f64>, command: &PerCable<f64>, lag: f64, t: f64) -> P
     if lag == 0.0 {
         return *command;
     }
-    let left = (-t / lag).exp();
+    let left = libm::exp(-t / lag);
     PerCable::from_fn(start.len(), |i| command[i] + (start[i] - command[i]) * left)
 }
 
@@ -275,5 +275,7 @@ fn platform_tension(friction: f64, pull: &PerCable<f64>, cables: &Cables, state:
         return *pull;
     }
     let rates = cables.length_rates(&body::twist(state));
-    PerCable::from_fn(pull.len(), |i| pull_only(pull[i] + friction * (rates[i] / FRICTION_TURNOVER).tanh()))
+    PerCable::from_fn(pull.len(), |i| {
+        pull_only(pull[i] + friction * libm::tanh(rates[i] / FRICTION_TURNOVER))
+    })
 }

@@ -11,6 +11,8 @@
 //! - [`abi`]: the C functions, which translate pointers into the above and nothing else;
 //! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod abi;
 pub mod archive;
 pub mod describe;

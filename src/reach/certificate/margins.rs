@@ -270,7 +270,7 @@ impl<'a> Around<'a> {
         let body = Vector3::from_fn(|k, _| known * (believed + answer[k]));
         // From angular accelerations about the platform's axes to those of the angles.
         let across = roll * body.y + body.z;
-        let angles = [body.x + pitch.tan() * across, body.y + roll * body.z, across / pitch.cos()];
+        let angles = [body.x + libm::tan(pitch) * across, body.y + roll * body.z, across / libm::cos(pitch)];
         let [x, y, z] = [position.x, position.y, position.z];
         Some(Coordinates::new(x, y, z, angles[0], angles[1], angles[2]) * UPWARDS)
     }
@@ -289,7 +289,7 @@ impl Wheels {
     fn new(rig: &Rig, extent: &Extent, accuracy: f64) -> Option<Self> {
         let radius = rig.cables.iter().filter_map(|cable| Some(cable.pulley?.radius)).fold(0.0, f64::max);
         // l² = d² - r², d from the attachment to the centre of the wheel.
-        let nearest = extent.shortest.hypot(radius) - 2.0 * accuracy;
+        let nearest = libm::hypot(extent.shortest, radius) - 2.0 * accuracy;
         let shortest = (nearest * nearest - radius * radius).sqrt();
         let sideways = extent.sideways - 2.0 * accuracy;
         if nearest <= radius || shortest.is_nan() || sideways < radius {

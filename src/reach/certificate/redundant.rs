@@ -134,7 +134,10 @@ impl Law<'_> {
 
 /// An upper bound of |u - r|, N.
 fn from(reference: &PerCable<f64>, tensions: &[Taylor]) -> f64 {
-    let square = |(u, r): (&Taylor, &f64)| (*u + Taylor::constant(-r)).size().powi(2);
+    let square = |(u, r): (&Taylor, &f64)| {
+        let size = (*u + Taylor::constant(-r)).size();
+        size * size
+    };
     tensions.iter().zip(reference.iter()).map(square).sum::<f64>().sqrt()
 }
 

@@ -173,8 +173,9 @@ pub fn stiffness(rig: &Rig, pulling: &Pulling) -> [[f64; 6]; 3] {
             let swung = swing(along, &pulling.length[i], swivel.as_ref(), &moved);
             let change: Vector = std::array::from_fn(|k| (turned[k] + swung[k]) * inverse_length);
             let by_cable = arm_cross(attachment, &change);
+            let sizes = by_cable.map(|part| part.size());
             torque[j] = std::array::from_fn(|k| torque[j][k] + by_cable[k] * pulling.tension[i]);
-            of_one[j] = std::array::from_fn(|k| of_one[j][k] + by_cable[k].size().powi(2));
+            of_one[j] = std::array::from_fn(|k| of_one[j][k] + sizes[k] * sizes[k]);
         }
     }
     let bound = |size: f64| if size.is_nan() { f64::INFINITY } else { size };

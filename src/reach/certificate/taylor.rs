@@ -102,7 +102,7 @@ impl Taylor {
 
     /// (1 - exp(-rate t))/rate for t = middle + half τ: the integral of [`Self::decay`] from 0; t where the rate is 0.
     pub fn integrated_decay(rate: f64, middle: f64, half: f64) -> Self {
-        let whole = if rate == 0.0 { middle } else { -(-rate * middle).exp_m1() / rate };
+        let whole = if rate == 0.0 { middle } else { -libm::expm1(-rate * middle) / rate };
         let integrand = Self::decay(rate, middle, half);
         let mut integral = Self::ball(whole, 0.0);
         for k in 1..ORDER {
@@ -116,7 +116,7 @@ impl Taylor {
 
     /// (sin, cos).
     pub fn sin_cos(&self) -> (Self, Self) {
-        let (sin, cos) = self.coefficients[0].sin_cos();
+        let (sin, cos) = libm::sincos(self.coefficients[0]);
         let [sin, cos] = [sin, cos].map(|value| Self::ball(value, LIBRARY));
         let mut step = *self;
         step.coefficients[0] = 0.0;
@@ -176,7 +176,7 @@ impl Taylor {
 
 /// exp(-x) and a bound of its relative error, which an argument rounded in the last place shares.
 fn exp_minus(x: f64) -> (f64, f64) {
-    ((-x).exp(), LIBRARY + x.abs() * f64::EPSILON)
+    (libm::exp(-x), LIBRARY + x.abs() * f64::EPSILON)
 }
 
 impl Add for Taylor {

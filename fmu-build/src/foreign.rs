@@ -1,0 +1,99 @@
+//! The FMUs and `cable-robot` of all platforms, run here: under Wine, under QEMU, and as they are.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::library::run;
+use crate::platforms::{LINKER, PLATFORMS, Platform, folder};
+use crate::{pack, project_root};
+
+/// The bundled scenarios, and a move of eight cables, which FMUs of the paper's rig cannot make.
+const SCENARIOS: [&str; 6] = ["paper", "experiment", "tour", "gust", "detour", "unreachable"];
+const EIGHT: [&str; 6] = ["--rig", "rigs/eight.toml", "--to", "0.2,0.1,1.9,0.1,0,0.2", "--duration", "5"];
+
+const WINE: &str = "/usr/lib/wine/wine64";
+const QEMU: &str = "/usr/bin/qemu-aarch64";
+const DEBIAN: &str = "needs Debian's wine64, qemu-user and libc6-arm64-cross: .ci/all installs them";
+
+/// Packs the FMUs for all platforms, runs scenarios on each through the library and through both versions of the FMUs, and compares the runs byte for
+/// byte with those of the library built for this machine alone. How many were compared.
+pub fn compare() -> Result<usize> {
+    let fmus = pack::build_for_all()?;
+    let mut build = Command::new("cargo");
+    build.args(["build", "--release", "--package", "cable-robot-programs", "--bin", "cable-robot"]);
+    run(build.current_dir(project_root()), "building cable-robot")?;
+    let native = |arguments: &[&str]| {
+        simulated(&mut Command::new(project_root().join("target/release/cable-robot")), arguments)
+    };
+    let own = SCENARIOS.iter().map(|scenario| native(&[scenario])).collect::<Result<Vec<_>>>()?;
+    let own_of_eight = native(&EIGHT)?;
+    let mut compared = 0;
+    for platform in &PLATFORMS {
+        let program = platform.build_program("cable-robot-programs", "cable-robot")?;
+        let mut same = |arguments: &[&str], own: &[u8]| -> Result<()> {
+            let theirs = simulated(&mut launcher(platform, &program)?, arguments)?;
+            compared += 1;
+            ensure!(
+                own == theirs,
+                "{}: simulate {} gives other numbers",
+                platform.target,
+                arguments.join(" ")
+            );
+            Ok(())
+        };
+        same(&EIGHT, &own_of_eight)?;
+        for (scenario, own) in SCENARIOS.iter().zip(&own) {
+            same(&[scenario], own)?;
+            for fmus in fmus.chunks(2) {
+                let [one, other] = [0, 1].map(|k| fmus[k].to_string_lossy().into_owned());
+                same(&[scenario, "--fmu", &one, "--fmu", &other], own)?;
+            }
+        }
+    }
+    Ok(compared)
+}
+
+/// The rows of a run, as CSV.
+fn simulated(command: &mut Command, arguments: &[&str]) -> Result<Vec<u8>> {
+    let command = command.arg("simulate").args(arguments).current_dir(project_root());
+    let output = command.output().with_context(|| format!("cannot start {:?}", command.get_program()))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    // A goal that cannot be had is no failure.
+    ensure!(matches!(output.status.code(), Some(0 | 3)), "{command:?} ended with {}:\n{said}", output.status);
+    ensure!(output.stdout.starts_with(b"time,"), "{command:?} wrote no rows:\n{said}");
+    Ok(output.stdout)
+}
+
+/// What runs a program of a platform on this machine.
+fn launcher(platform: &Platform, program: &Path) -> Result<Command> {
+    let [mut wine, mut qemu] = [WINE, QEMU].map(Command::new);
+    Ok(match platform.target.split('-').collect::<Vec<_>>()[..] {
+        [_, "pc", "windows", _] => {
+            ensure!(Path::new(WINE).exists(), DEBIAN);
+            lend_random_numbers(program)?;
+            wine.env("WINEPREFIX", folder().join("wine")).env("WINEDEBUG", "-all").arg(program);
+            wine
+        }
+        ["aarch64", ..] => {
+            ensure!(Path::new(QEMU).exists(), DEBIAN);
+            qemu.args(["-L", "/usr/aarch64-linux-gnu"]).arg(program);
+            qemu
+        }
+        _ => Command::new(program),
+    })
+}
+
+/// Beside the program a library that this Wine lacks.
+fn lend_random_numbers(program: &Path) -> Result<()> {
+    let library: PathBuf = program.with_file_name("bcryptprimitives.dll");
+    if fs::exists(&library)? {
+        return Ok(());
+    }
+    let mut compile = Command::new(LINKER);
+    compile.args(["-shared", "-O1", "-o"]).arg(library);
+    compile.arg(project_root().join("fmu-build/platforms/bcryptprimitives.c")).arg("-ladvapi32");
+    run(&mut compile, "building bcryptprimitives.dll")
+}
