@@ -45,6 +45,23 @@ impl Rig {
         cables
     }
 
+    /// By how much the directions of `cables`, with the centre of mass at `position`, change to first order when the attachments move by
+    /// `shift` (m), base frame.
+    pub fn turned_by(
+        &self,
+        cables: &Cables,
+        position: &Vector3<f64>,
+        shift: &PerCable<Vector3<f64>>,
+    ) -> PerCable<Vector3<f64>> {
+        PerCable::from_fn(shift.len(), |i| {
+            let (direction, cable) = (cables.direction[i], &self.cables[i]);
+            match cable.pulley {
+                None => (direction * direction.dot(&shift[i]) - shift[i]) / cables.free[i],
+                Some(pulley) => pulley.turned_by(&(position + cables.arm[i] - cable.anchor), &shift[i]),
+            }
+        })
+    }
+
     /// The same at a pose.
     pub fn cables_at(&self, pose: &Pose) -> Cables {
         self.cables(&pose.position(), &pose.rotation())

@@ -41,6 +41,19 @@ impl Pulley {
         let direction = sideways * (-sin / distance) + self.axis * cos;
         Run { direction, free, length: free + self.radius * (std::f64::consts::PI - libm::atan2(sin, cos)) }
     }
+
+    /// By how much the direction of the run to an attachment changes to first order when that moves by `shift`, m: in the wheel's plane it turns
+    /// about where the cable leaves, across that plane with the wheel.
+    pub fn turned_by(&self, to_attachment: &Vector3<f64>, shift: &Vector3<f64>) -> Vector3<f64> {
+        let Run { direction, free, .. } = self.run(to_attachment);
+        let sideways = to_attachment - self.axis * to_attachment.dot(&self.axis);
+        let distance = sideways.norm();
+        let outwards = sideways / distance;
+        let across = self.axis.cross(&outwards);
+        let within = direction.cross(&across);
+        across * (direction.dot(&outwards) * across.dot(shift) / distance)
+            - within * (within.dot(shift) / free)
+    }
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ pub fn normalised(mut state: State) -> State {
     state
 }
 
-fn quaternion(state: &State) -> Quaternion<f64> {
+pub(super) fn quaternion(state: &State) -> Quaternion<f64> {
     Quaternion::new(state[6], state[7], state[8], state[9])
 }
 

@@ -3,14 +3,17 @@
 pub mod body;
 pub mod bundled;
 pub mod closed_loop;
+pub mod continuous;
 pub mod integrator;
 pub mod plant;
 pub mod scenario;
 pub mod scenario_file;
 pub mod simulation;
+pub mod variation;
 
 pub use bundled::BUNDLED;
 pub use closed_loop::{ClosedLoop, ControllerModel, ModelError, Moment, PlantModel, SimulationError};
+pub use continuous::ContinuousPlant;
 pub use plant::{Plant, PlantError, PlantInputs, PlantOutputs, PlantParameters};
 pub use scenario::{Disturbance, Goal, Scenario};
 pub use scenario_file::{ScenarioFile, ScenarioFileError};

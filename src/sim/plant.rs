@@ -15,7 +15,7 @@ use crate::robot::{
 };
 
 /// Speed of a cable at which friction has turned over, m/s.
-const FRICTION_TURNOVER: f64 = 1e-3;
+pub(super) const FRICTION_TURNOVER: f64 = 1e-3;
 
 /// Parameters of the plant; all imperfections are zero by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
