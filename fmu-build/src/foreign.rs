@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use cable_robot_fmi::CO_SIMULATION;
+use cable_robot_fmi::describe::VERSIONS;
 
 use crate::library::run;
 use crate::platforms::{LINKER, PLATFORMS, Platform, folder};
@@ -21,7 +23,10 @@ const DEBIAN: &str = "needs Debian's wine64, qemu-user and libc6-arm64-cross: .c
 /// Packs the FMUs for all platforms, runs scenarios on each through the library and through both versions of the FMUs, and compares the runs byte for
 /// byte with those of the library built for this machine alone. How many were compared.
 pub fn compare() -> Result<usize> {
-    let fmus = pack::build_for_all()?;
+    pack::build_for_all()?;
+    let pairs = VERSIONS.map(|version| {
+        CO_SIMULATION.map(|model| pack::path_below(&folder(), model, version).to_string_lossy().into_owned())
+    });
     let mut build = Command::new("cargo");
     build.args(["build", "--release", "--package", "cable-robot-programs", "--bin", "cable-robot"]);
     run(build.current_dir(project_root()), "building cable-robot")?;
@@ -47,9 +52,8 @@ pub fn compare() -> Result<usize> {
         same(&EIGHT, &own_of_eight)?;
         for (scenario, own) in SCENARIOS.iter().zip(&own) {
             same(&[scenario], own)?;
-            for fmus in fmus.chunks(2) {
-                let [one, other] = [0, 1].map(|k| fmus[k].to_string_lossy().into_owned());
-                same(&[scenario, "--fmu", &one, "--fmu", &other], own)?;
+            for [controller, plant] in &pairs {
+                same(&[scenario, "--fmu", controller, "--fmu", plant], own)?;
             }
         }
     }

@@ -53,7 +53,7 @@ enum Task {
 
 #[derive(Subcommand)]
 enum FmuTask {
-    /// Builds the library, packs the four FMUs into target/fmu and checks them
+    /// Builds the library, packs the FMUs into target/fmu and checks them
     Build {
         /// With libraries for x86_64-linux (glibc 2.17), aarch64-linux and x86_64-windows, into target/platforms/fmu; .ci/all installs what that takes
         #[arg(long)]

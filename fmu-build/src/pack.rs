@@ -1,4 +1,4 @@
-//! `cargo fmu build`: packs the four FMUs and checks what it packed.
+//! `cargo fmu build`: packs the FMUs and checks what it packed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::{check, library, project_root};
 /// The package whose library the FMUs carry.
 const LIBRARY: &str = "cable-robot-fmi";
 
-/// Builds, packs and checks the four FMUs; returns their paths.
+/// Builds, packs and checks the FMUs; returns their paths.
 pub fn build() -> Result<Vec<PathBuf>> {
     build_below(&project_root().join("target"))
 }
@@ -68,7 +68,8 @@ fn pack(target: &Path, libraries: impl Fn(Model, Version) -> Files) -> Result<Ve
             let path = path_below(target, model, version);
             let files = archive::contents(&model.interface(), version, &libraries(model, version), None);
             archive::write(&path, &files).with_context(|| format!("cannot pack {}", path.display()))?;
-            check::packed(&path).with_context(|| format!("{} is not as it should be", path.display()))?;
+            check::packed(&path, model)
+                .with_context(|| format!("{} is not as it should be", path.display()))?;
             packed.push(path);
         }
     }
@@ -91,6 +92,6 @@ pub fn path(model: Model, version: Version) -> PathBuf {
     path_below(&project_root().join("target"), model, version)
 }
 
-fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
+pub fn path_below(target: &Path, model: Model, version: Version) -> PathBuf {
     target.join("fmu").join(version.name()).join(model.identifier()).with_extension("fmu")
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
 use cable_robot_fmi::archive;
 use cable_robot_fmi::describe::{VERSIONS, Version, system_structure};
-use cable_robot_fmi::{Interface, MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Interface, MODELS, Model};
 use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
 use serde_json::json;
@@ -82,10 +82,10 @@ const STEP: f64 = 1e-3;
 /// Packs the FMUs for FMI 2 in a folder as one system.
 fn pack_system(rig: &Path, reals: bool, folder: &Path) -> Result<PathBuf> {
     let file = read_rig(rig)?.1;
-    let [controller, plant] = MODELS.map(|model| interface(model, &file, reals));
+    let [controller, plant] = CO_SIMULATION.map(|model| interface(model, &file, reals));
     let mut files = archive::Files::new();
     files.insert("SystemStructure.ssd".into(), system_structure(&controller, &plant, STEP).into_bytes());
-    for model in MODELS {
+    for model in CO_SIMULATION {
         let path = path_of(folder, model, Version::Fmi2);
         let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         files.insert(format!("resources/{}.fmu", model.identifier()), bytes);
@@ -106,7 +106,7 @@ fn read_rig(path: &Path) -> Result<(String, RigFile)> {
     Ok((text, file))
 }
 
-/// Packs both models in both versions for the rig of a file, with `reals` only if that is asked for; their paths.
+/// Packs all models in both versions for the rig of a file, with `reals` only if that is asked for; their paths.
 pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
     let (text, file) = read_rig(rig)?;
     let mut paths = vec![];

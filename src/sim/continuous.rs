@@ -1,6 +1,5 @@
 //! The plant in continuous time, for an integrator that is not ours (Model Exchange): no lag of the motors, no noise, no encoder steps.
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::body::{self, Body, State};
@@ -98,6 +97,8 @@ impl ContinuousPlant {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
     use crate::robot::{Coordinates, Pulley, RigFile};
     use crate::sim::Plant;

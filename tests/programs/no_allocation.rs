@@ -13,7 +13,7 @@ use cable_robot::robot::{Coordinates, Pose, RigFile, TensionLimits};
 use cable_robot::sim::{ClosedLoop, PlantParameters};
 use cable_robot_fmi::abi::{fmi3::*, fmi3_values::*};
 use cable_robot_fmi::variables::Causality;
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Model};
 use counting_allocator::{BYTES, CALLS};
 
 #[test]
@@ -111,7 +111,7 @@ fn tuning_allocates_nothing() {
 
 #[test]
 fn steps_through_fmi_allocate_nothing_and_an_instance_is_small() {
-    for interface in MODELS.map(Model::interface) {
+    for interface in CO_SIMULATION.map(Model::interface) {
         let model = interface.model();
         let token = CString::new(interface.token()).unwrap();
         let before = BYTES.get();

@@ -248,6 +248,7 @@ fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<
         Role::Parameter => Causality::Parameter,
         Role::Input => Causality::Input,
         Role::Output => Causality::Output,
+        Role::Local => Causality::Local,
         Role::Independent => Causality::Independent,
     };
     let has = |name: &str| instance.description().variable(name).is_some_and(|v| v.causality == theirs);

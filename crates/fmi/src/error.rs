@@ -70,6 +70,10 @@ pub enum FmiError {
     Token { given: String, known: String },
     #[error("{path} in the FMU's resources cannot be used: {why}")]
     Resource { path: String, why: String },
+    #[error("{function}: {name} is no {role}")]
+    NotDifferentiable { function: &'static str, name: String, role: &'static str },
+    #[error("{name} = {value} at these states and inputs")]
+    NotFinite { name: String, value: f64 },
     #[error("{what} cannot be retrieved: {why}")]
     NoSuchStatus { what: &'static str, why: &'static str },
     #[error("{function} failed for an internal reason, please report it: {message}")]
@@ -95,7 +99,10 @@ impl FmiError {
     pub fn status(&self) -> Status {
         match self {
             Self::UnknownCategory { .. } => Status::Warning,
-            Self::NotReady { .. } | Self::NoSuchStatus { .. } | Self::TooLong { .. } => Status::Discard,
+            Self::NotReady { .. }
+            | Self::NotFinite { .. }
+            | Self::NoSuchStatus { .. }
+            | Self::TooLong { .. } => Status::Discard,
             _ => Status::Error,
         }
     }

@@ -1,9 +1,11 @@
 //! One instance of a model: its life, its values, its time. Knows nothing of C.
 
+mod exchange;
+
 use super::error::{FmiError, Status};
 use super::lifecycle::{Function, State};
 use super::log::{Category, Log};
-use super::models::{Interface, Model, Running, Scalar};
+use super::models::{Interface, Model, Running, Scalar, Use};
 use super::state::Snapshot;
 use super::values::Values;
 use super::variables::{Causality, Kind, Variability};
@@ -76,13 +78,16 @@ impl Instance {
         self.now.state = State::Initialization;
     }
 
-    /// Initialization Mode -> Step Mode: checks the parameters and starts the model.
+    /// Initialization Mode -> Step Mode, or Event Mode for Model Exchange: checks the parameters and starts the model.
     ///
     /// # Errors
     /// [`FmiError::Parameter`] naming the parameter that makes no sense.
     pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
         self.now.start(&self.interface)?;
-        self.now.state = State::StepMode;
+        self.now.state = match self.model().usage() {
+            Use::CoSimulation => State::StepMode,
+            Use::ModelExchange => State::EventMode,
+        };
         if let Some(warning) = self.interface.warning(&self.now.values) {
             self.log.send(Status::Ok, Category::Warning, &warning);
         }
@@ -149,7 +154,7 @@ impl Instance {
         }
     }
 
-    /// Step Mode -> Terminated.
+    /// The run is over.
     pub fn terminate(&mut self) {
         self.now.state = State::Terminated;
         self.event(|now| format!("terminated at t = {} s", now.time()));
@@ -189,12 +194,14 @@ impl Instance {
         references: &[u32],
         mut give: impl FnMut(usize, f64),
     ) -> Result<(), FmiError> {
+        let mut calculated = None;
         for &reference in references {
             let scalar = self.scalar(function, handles, reference)?;
-            if scalar.row.causality == Causality::Output {
-                self.calculate_outputs(&scalar)?;
+            if matches!(scalar.row.causality, Causality::Output | Causality::Local) {
+                calculated.get_or_insert(scalar);
             }
         }
+        self.ready(calculated.as_slice())?;
         for (i, &reference) in references.iter().enumerate() {
             give(i, self.now.values.at(reference));
         }
@@ -236,7 +243,7 @@ impl Instance {
         for (i, &reference) in references.iter().enumerate() {
             self.now.values.put(reference, take(i));
         }
-        if self.now.state != State::StepMode && !references.is_empty() {
+        if !self.now.state.is_initialised() && !references.is_empty() {
             // Outputs follow in Initialization Mode, but only when somebody reads them.
             self.now.running = None;
         }
@@ -249,21 +256,32 @@ impl Instance {
         handles: fn(Kind) -> bool,
         reference: u32,
     ) -> Result<Scalar, FmiError> {
-        let (function, model) = (function.name, self.model().identifier());
-        let scalar = self.interface.scalar(reference).ok_or(FmiError::UnknownReference {
-            function,
-            model,
-            reference,
-        })?;
+        let scalar = self.any_scalar(function, reference)?;
         let kind = self.interface.kind(scalar.row);
         if handles(kind) {
             return Ok(scalar);
         }
-        Err(FmiError::WrongType { function, name: scalar.name(), reference, kind: kind.name() })
+        Err(FmiError::WrongType {
+            function: function.name,
+            name: scalar.name(),
+            reference,
+            kind: kind.name(),
+        })
     }
 
-    fn calculate_outputs(&mut self, scalar: &Scalar) -> Result<(), FmiError> {
+    fn any_scalar(&self, function: &'static Function, reference: u32) -> Result<Scalar, FmiError> {
+        let (function, model) = (function.name, self.model().identifier());
+        self.interface.scalar(reference).ok_or(FmiError::UnknownReference { function, model, reference })
+    }
+
+    /// Has the values of calculated scalars, if there are any, ready.
+    fn ready(&mut self, scalars: &[Scalar]) -> Result<(), FmiError> {
+        let Some(scalar) = scalars.first() else { return Ok(()) };
         let why = match (&self.now.running, self.now.state) {
+            (Some(Running::PlantExchange(_)), _) => {
+                self.refresh();
+                return Ok(());
+            }
             (Some(_), _) => return Ok(()),
             (None, State::Initialization) => match self.now.start(&self.interface) {
                 Ok(()) => return Ok(()),
@@ -278,11 +296,12 @@ impl Instance {
         let state = self.now.state;
         let allowed = match scalar.row.causality {
             Causality::Input => return Ok(()),
-            Causality::Parameter if state != State::StepMode => return Ok(()),
+            Causality::Parameter if !state.is_initialised() => return Ok(()),
             Causality::Parameter if scalar.row.variability == Variability::Tunable => return Ok(()),
             Causality::Parameter => "it is a fixed parameter, to be set before initialisation ends",
             Causality::Output => "it is an output",
-            Causality::Independent => "time advances with doStep only",
+            Causality::Local => "it is calculated; an integrator sets states all together",
+            Causality::Independent => "time advances with doStep, or is set by an integrator",
         };
         Err(FmiError::NotSettable { name: scalar.name(), state, allowed })
     }

@@ -1,10 +1,10 @@
-//! The C boundary: one library, two models, FMI 2.0 and 3.0 co-simulation.
+//! The C boundary: one library; controller and plant for FMI 2.0 and 3.0 Co-Simulation, and the plant for Model Exchange.
 //!
 //! An FMU is a zip file with a description (XML) and a library. The description lists variables, each with a number, its
 //! *value reference*; the library exports C functions to make an instance, to set and get variables by these numbers, and
 //! to advance time. Read on in this order:
 //!
-//! - [`variables`]: what a variable is; `models/` has the two tables and the way from values to controller and plant;
+//! - [`variables`]: what a variable is; `models/` has the tables and the way from values to controller and plant;
 //! - [`values`]: one number a value reference;
 //! - [`lifecycle`]: which call is allowed when;
 //! - [`instance`]: what the calls do; [`state`]: what an instance is and how it is saved; [`log`]: what it says;
@@ -27,4 +27,4 @@ pub mod values;
 pub mod variables;
 
 pub use cable_robot_bindings as bindings;
-pub use models::{Interface, MODELS, Model};
+pub use models::{CO_SIMULATION, Interface, MODELS, Model, Use};

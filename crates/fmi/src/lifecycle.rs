@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::error::FmiError;
+use super::models::Use;
 
 /// Where an instance is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,10 +17,21 @@ pub enum State {
     Initialization,
     /// FMI 2 calls it *stepComplete*: time goes on with every doStep.
     StepMode,
+    /// Model Exchange: inputs may jump, and cables go slack or taut.
+    EventMode,
+    /// Model Exchange: the importer integrates.
+    ContinuousTimeMode,
     /// The run is over, its last values can be read.
     Terminated,
     /// A call has failed. FMI 3 has no name of its own for it (it is in *Terminated*).
     Error,
+}
+
+impl State {
+    /// Whether Initialization Mode is over.
+    pub fn is_initialised(self) -> bool {
+        !matches!(self, State::Instantiated | State::Initialization)
+    }
 }
 
 impl fmt::Display for State {
@@ -28,6 +40,8 @@ impl fmt::Display for State {
             State::Instantiated => "Instantiated",
             State::Initialization => "Initialization Mode",
             State::StepMode => "Step Mode",
+            State::EventMode => "Event Mode",
+            State::ContinuousTimeMode => "Continuous-Time Mode",
             State::Terminated => "Terminated",
             State::Error => "Error",
         })
@@ -50,24 +64,39 @@ pub enum Allowed {
     Always,
     /// In these states.
     In(&'static [State]),
+    /// The same, if the FMU is for this use.
+    For(Use, &'static [State]),
     /// Never, for this reason.
     Never(&'static str),
 }
 
-use Allowed::{Always, In, Never};
-use State::{Error, Initialization, Instantiated, StepMode, Terminated};
+use Allowed::{Always, For, In, Never};
+use State::{ContinuousTimeMode, Error, EventMode, Initialization, Instantiated, StepMode, Terminated};
+use Use::{CoSimulation, ModelExchange};
 
-const ANY: Allowed = In(&[Instantiated, Initialization, StepMode, Terminated, Error]);
-const SET: Allowed = In(&[Instantiated, Initialization, StepMode]);
-const GET_2: Allowed = In(&[Initialization, StepMode, Terminated, Error]);
+const ANY: Allowed =
+    In(&[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
+const SET: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode]);
+const SET_REAL: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode]);
+const GET_2: Allowed = In(&[Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
 const GET_3: Allowed = ANY;
-const STATUS_2: Allowed = In(&[StepMode, Terminated]);
+const RUNNING: Allowed = In(&[StepMode, EventMode, ContinuousTimeMode]);
+const STEPPING: Allowed = For(CoSimulation, &[StepMode]);
+const STATUS_2: Allowed = For(CoSimulation, &[StepMode, Terminated]);
+const IN_EVENT_MODE: Allowed = For(ModelExchange, &[EventMode]);
+const IN_CONTINUOUS_TIME: Allowed = For(ModelExchange, &[ContinuousTimeMode]);
+const IN_EITHER: Allowed = For(ModelExchange, &[EventMode, ContinuousTimeMode]);
+const OF_AN_INTEGRATOR: Allowed =
+    For(ModelExchange, &[Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
+const NUMBERS: Allowed =
+    For(ModelExchange, &[Instantiated, Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
 
-const CO_SIMULATION_ONLY: Allowed = Never("this FMU has Co-Simulation only, not Model Exchange");
-const NOT_SCHEDULED: Allowed = Never("this FMU has Co-Simulation only, not Scheduled Execution");
-const NO_DERIVATIVES: Allowed = Never("this FMU provides no derivatives, as its modelDescription.xml says");
+const NOT_SCHEDULED: Allowed = Never("this FMU is not for Scheduled Execution");
+const NO_DERIVATIVES: Allowed =
+    Never("this FMU provides no such derivatives, as its modelDescription.xml says");
 const NO_DEPENDENCIES: Allowed = Never("the dependencies are in modelDescription.xml and never change");
-const NO_EVENTS: Allowed = Never("this FMU has no Event Mode, as its modelDescription.xml says");
+const NO_EVENTS: Allowed =
+    Never("this FMU has no Event Mode in co-simulation, as its modelDescription.xml says");
 const NO_CLOCKS: Allowed = Never("this FMU has no clocks");
 const NO_STRUCTURE: Allowed = Never("this FMU has no structural parameters");
 const NEVER_PENDING: Allowed = Never("a step is never pending: doStep returns when it is done");
@@ -86,13 +115,13 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi2SetupExperiment", In(&[Instantiated])),
     row("fmi2EnterInitializationMode", In(&[Instantiated])),
     row("fmi2ExitInitializationMode", In(&[Initialization])),
-    row("fmi2Terminate", In(&[StepMode])),
+    row("fmi2Terminate", RUNNING),
     row("fmi2Reset", ANY),
     row("fmi2GetReal", GET_2),
     row("fmi2GetInteger", GET_2),
     row("fmi2GetBoolean", GET_2),
     row("fmi2GetString", GET_2),
-    row("fmi2SetReal", SET),
+    row("fmi2SetReal", SET_REAL),
     row("fmi2SetInteger", SET),
     row("fmi2SetBoolean", SET),
     row("fmi2SetString", SET),
@@ -102,26 +131,26 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi2SerializedFMUstateSize", ANY),
     row("fmi2SerializeFMUstate", ANY),
     row("fmi2DeSerializeFMUstate", ANY),
-    row("fmi2DoStep", In(&[StepMode])),
+    row("fmi2DoStep", STEPPING),
     row("fmi2GetStatus", STATUS_2),
     row("fmi2GetRealStatus", STATUS_2),
     row("fmi2GetIntegerStatus", STATUS_2),
     row("fmi2GetBooleanStatus", STATUS_2),
     row("fmi2GetStringStatus", STATUS_2),
     row("fmi2CancelStep", NEVER_PENDING),
-    row("fmi2GetDirectionalDerivative", NO_DERIVATIVES),
+    row("fmi2GetDirectionalDerivative", OF_AN_INTEGRATOR),
     row("fmi2SetRealInputDerivatives", NO_DERIVATIVES),
     row("fmi2GetRealOutputDerivatives", NO_DERIVATIVES),
-    row("fmi2EnterEventMode", CO_SIMULATION_ONLY),
-    row("fmi2NewDiscreteStates", CO_SIMULATION_ONLY),
-    row("fmi2EnterContinuousTimeMode", CO_SIMULATION_ONLY),
-    row("fmi2CompletedIntegratorStep", CO_SIMULATION_ONLY),
-    row("fmi2SetTime", CO_SIMULATION_ONLY),
-    row("fmi2SetContinuousStates", CO_SIMULATION_ONLY),
-    row("fmi2GetDerivatives", CO_SIMULATION_ONLY),
-    row("fmi2GetEventIndicators", CO_SIMULATION_ONLY),
-    row("fmi2GetContinuousStates", CO_SIMULATION_ONLY),
-    row("fmi2GetNominalsOfContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi2EnterEventMode", IN_CONTINUOUS_TIME),
+    row("fmi2NewDiscreteStates", IN_EVENT_MODE),
+    row("fmi2EnterContinuousTimeMode", IN_EVENT_MODE),
+    row("fmi2CompletedIntegratorStep", IN_CONTINUOUS_TIME),
+    row("fmi2SetTime", IN_EITHER),
+    row("fmi2SetContinuousStates", IN_CONTINUOUS_TIME),
+    row("fmi2GetDerivatives", OF_AN_INTEGRATOR),
+    row("fmi2GetEventIndicators", OF_AN_INTEGRATOR),
+    row("fmi2GetContinuousStates", OF_AN_INTEGRATOR),
+    row("fmi2GetNominalsOfContinuousStates", NUMBERS),
     //
     row("fmi3GetVersion", Always),
     row("fmi3InstantiateCoSimulation", Always),
@@ -131,7 +160,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SetDebugLogging", ANY),
     row("fmi3EnterInitializationMode", In(&[Instantiated])),
     row("fmi3ExitInitializationMode", In(&[Initialization])),
-    row("fmi3Terminate", In(&[StepMode])),
+    row("fmi3Terminate", RUNNING),
     row("fmi3Reset", ANY),
     row("fmi3GetFloat32", GET_3),
     row("fmi3GetFloat64", GET_3),
@@ -147,7 +176,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3GetString", GET_3),
     row("fmi3GetBinary", GET_3),
     row("fmi3SetFloat32", SET),
-    row("fmi3SetFloat64", SET),
+    row("fmi3SetFloat64", SET_REAL),
     row("fmi3SetInt8", SET),
     row("fmi3SetUInt8", SET),
     row("fmi3SetInt16", SET),
@@ -165,16 +194,16 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SerializedFMUStateSize", ANY),
     row("fmi3SerializeFMUState", ANY),
     row("fmi3DeserializeFMUState", ANY),
-    row("fmi3DoStep", In(&[StepMode])),
+    row("fmi3DoStep", STEPPING),
     row("fmi3EnterStepMode", NO_EVENTS),
-    row("fmi3EnterEventMode", NO_EVENTS),
-    row("fmi3EvaluateDiscreteStates", NO_EVENTS),
-    row("fmi3UpdateDiscreteStates", NO_EVENTS),
+    row("fmi3EnterEventMode", IN_CONTINUOUS_TIME),
+    row("fmi3EvaluateDiscreteStates", IN_EVENT_MODE),
+    row("fmi3UpdateDiscreteStates", IN_EVENT_MODE),
     row("fmi3EnterConfigurationMode", NO_STRUCTURE),
     row("fmi3ExitConfigurationMode", NO_STRUCTURE),
     row("fmi3GetNumberOfVariableDependencies", NO_DEPENDENCIES),
     row("fmi3GetVariableDependencies", NO_DEPENDENCIES),
-    row("fmi3GetDirectionalDerivative", NO_DERIVATIVES),
+    row("fmi3GetDirectionalDerivative", OF_AN_INTEGRATOR),
     row("fmi3GetAdjointDerivative", NO_DERIVATIVES),
     row("fmi3GetOutputDerivatives", NO_DERIVATIVES),
     row("fmi3GetClock", NO_CLOCKS),
@@ -187,16 +216,16 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SetIntervalFraction", NO_CLOCKS),
     row("fmi3SetShiftDecimal", NO_CLOCKS),
     row("fmi3SetShiftFraction", NO_CLOCKS),
-    row("fmi3EnterContinuousTimeMode", CO_SIMULATION_ONLY),
-    row("fmi3CompletedIntegratorStep", CO_SIMULATION_ONLY),
-    row("fmi3SetTime", CO_SIMULATION_ONLY),
-    row("fmi3SetContinuousStates", CO_SIMULATION_ONLY),
-    row("fmi3GetContinuousStateDerivatives", CO_SIMULATION_ONLY),
-    row("fmi3GetEventIndicators", CO_SIMULATION_ONLY),
-    row("fmi3GetContinuousStates", CO_SIMULATION_ONLY),
-    row("fmi3GetNominalsOfContinuousStates", CO_SIMULATION_ONLY),
-    row("fmi3GetNumberOfEventIndicators", CO_SIMULATION_ONLY),
-    row("fmi3GetNumberOfContinuousStates", CO_SIMULATION_ONLY),
+    row("fmi3EnterContinuousTimeMode", IN_EVENT_MODE),
+    row("fmi3CompletedIntegratorStep", IN_CONTINUOUS_TIME),
+    row("fmi3SetTime", IN_EITHER),
+    row("fmi3SetContinuousStates", IN_CONTINUOUS_TIME),
+    row("fmi3GetContinuousStateDerivatives", OF_AN_INTEGRATOR),
+    row("fmi3GetEventIndicators", OF_AN_INTEGRATOR),
+    row("fmi3GetContinuousStates", OF_AN_INTEGRATOR),
+    row("fmi3GetNominalsOfContinuousStates", NUMBERS),
+    row("fmi3GetNumberOfEventIndicators", NUMBERS),
+    row("fmi3GetNumberOfContinuousStates", NUMBERS),
     row("fmi3ActivateModelPartition", NOT_SCHEDULED),
 ];
 
@@ -221,15 +250,19 @@ const fn same(a: &[u8], b: &[u8]) -> bool {
 }
 
 impl Function {
-    /// Whether the call is allowed in `state`.
+    /// Whether the call is allowed in `state` of an FMU for this use.
     ///
     /// # Errors
     /// [`FmiError::OutOfOrder`] or [`FmiError::Unsupported`].
-    pub fn check(&self, state: State) -> Result<(), FmiError> {
+    pub fn check(&self, state: State, usage: Use) -> Result<(), FmiError> {
         match &self.allowed {
             Always => Ok(()),
             In(states) if states.contains(&state) => Ok(()),
-            In(states) => {
+            For(wanted, _) if *wanted != usage => {
+                Err(FmiError::Unsupported { function: self.name, why: usage.refusal() })
+            }
+            For(_, states) if states.contains(&state) => Ok(()),
+            In(states) | For(_, states) => {
                 let allowed = states.iter().map(State::to_string).collect::<Vec<_>>().join(", ");
                 Err(FmiError::OutOfOrder { function: self.name, state, allowed })
             }
@@ -262,7 +295,8 @@ mod tests {
 
     #[test]
     fn a_refusal_names_function_state_and_what_is_allowed() {
-        let message = function("fmi2DoStep").check(State::Instantiated).unwrap_err().to_string();
+        let message =
+            function("fmi2DoStep").check(State::Instantiated, CoSimulation).unwrap_err().to_string();
         assert_eq!(
             message,
             "fmi2DoStep is not allowed in the state Instantiated; it is allowed in Step Mode"

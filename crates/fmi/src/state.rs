@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::FmiError;
 use super::lifecycle::State;
-use super::models::{Interface, Model, Running};
+use super::models::{Interface, Model, Running, Use};
 use super::values::Values;
 use super::variables::{Causality, Kind, Row};
 
@@ -91,8 +91,18 @@ impl Snapshot {
             && self.values.fits(interface)
             && self.stop.is_none_or(f64::is_finite)
             && self.running.as_ref().is_none_or(|running| running.model() == self.model)
-            && (self.running.is_some() || self.state != State::StepMode)
+            && self.state_belongs_to_use()
+            && (self.running.is_some()
+                || !matches!(self.state, State::StepMode | State::EventMode | State::ContinuousTimeMode))
             && self.enumerations_have_items(interface)
+    }
+
+    fn state_belongs_to_use(&self) -> bool {
+        match self.state {
+            State::StepMode => self.model.usage() == Use::CoSimulation,
+            State::EventMode | State::ContinuousTimeMode => self.model.usage() == Use::ModelExchange,
+            _ => true,
+        }
     }
 
     fn enumerations_have_items(&self, interface: &Interface) -> bool {

@@ -31,9 +31,11 @@ pub struct Row {
     pub nominal: Option<f64>,
     /// One sentence for the reader.
     pub description: &'static str,
-    /// Outputs: the rows that influence the value in Initialization Mode. In a step no output depends directly on an
-    /// input, since outputs change in a step only.
+    /// Outputs and what is local: the rows that influence the value in Initialization Mode. In a step of co-simulation no output depends directly
+    /// on an input, since outputs change in a step only.
     pub depends_on: &'static [&'static Row],
+    /// The row of states whose derivatives with respect to time these are.
+    pub derivative_of: Option<&'static Row>,
 }
 
 /// How a row unfolds into scalars.
@@ -53,6 +55,8 @@ pub enum Shape {
     CableVectors,
     /// `.xx .yy .zz .xy .xz .yz`: a symmetric tensor.
     Tensor,
+    /// `.w .x .y .z`
+    Quaternion,
 }
 
 /// Type of a scalar. Every one of them is stored exactly in an `f64`.
@@ -92,6 +96,8 @@ pub enum Causality {
     Input,
     /// This model.
     Output,
+    /// This model, for the importer's integrator.
+    Local,
 }
 
 /// When the value may change.
@@ -150,6 +156,8 @@ pub mod units {
         display: Some(("deg/s", DEGREES)),
         ..unit("AngularVelocity", "rad/s", &[("s", -1), ("rad", 1)])
     };
+    /// Angular acceleration.
+    pub const RADIAN_PER_SECOND2: Unit = unit("AngularAcceleration", "rad/s2", &[("s", -2), ("rad", 1)]);
     /// Mass.
     pub const KILOGRAM: Unit = unit("Mass", "kg", &[("kg", 1)]);
     /// Moment of inertia.
@@ -229,7 +237,20 @@ pub const fn output(
         nominal: None,
         description,
         depends_on,
+        derivative_of: None,
     }
+}
+
+/// What an integrator sees of a model beside its outputs.
+pub const fn local(
+    first: u32,
+    name: &'static str,
+    shape: Shape,
+    unit: Option<&'static Unit>,
+    depends_on: &'static [&'static Row],
+    description: &'static str,
+) -> Row {
+    Row { causality: Causality::Local, ..output(first, name, shape, unit, depends_on, description) }
 }
 
 impl Row {
@@ -238,6 +259,7 @@ impl Row {
         match self.shape {
             Shape::Scalar => 1,
             Shape::Vector => 3,
+            Shape::Quaternion => 4,
             Shape::Pose | Shape::PoseRate | Shape::Tensor => 6,
             Shape::Cables => cables,
             Shape::CableVectors => 3 * cables,
@@ -254,6 +276,9 @@ impl Row {
 
     /// Full name of the scalar at `position`.
     pub fn scalar_name(&self, position: usize) -> String {
+        if let Some(state) = self.derivative_of {
+            return format!("der({})", state.scalar_name(position));
+        }
         let components = match self.shape {
             Shape::Scalar => return self.name.to_owned(),
             Shape::Cables => return format!("{}[{}]", self.name, position + 1),
@@ -264,6 +289,7 @@ impl Row {
             Shape::Vector => &["x", "y", "z"][..],
             Shape::Pose | Shape::PoseRate => &["x", "y", "z", "roll", "pitch", "yaw"],
             Shape::Tensor => &["xx", "yy", "zz", "xy", "xz", "yz"],
+            Shape::Quaternion => &["w", "x", "y", "z"],
         };
         format!("{}.{}", self.name, components[position])
     }
@@ -287,11 +313,11 @@ impl Row {
         }
     }
 
-    /// `exact` where a start value is the value, `calculated` for outputs; inputs and time have none in the XML.
+    /// `exact` where a start value is the value, `calculated` for outputs and what is local; inputs and time have none in the XML.
     pub fn initial(&self) -> Option<&'static str> {
         match self.causality {
             Causality::Parameter => Some("exact"),
-            Causality::Output => Some("calculated"),
+            Causality::Output | Causality::Local => Some("calculated"),
             Causality::Input | Causality::Independent => None,
         }
     }
@@ -334,6 +360,7 @@ impl Causality {
             Causality::Parameter => "parameter",
             Causality::Input => "input",
             Causality::Output => "output",
+            Causality::Local => "local",
         }
     }
 }

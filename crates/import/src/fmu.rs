@@ -127,14 +127,15 @@ fn load(fmu: String, folder: &Path, description: &ModelDescription) -> Result<Li
     })
 }
 
-/// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3.
+/// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3. FMI 2 has no name for Linux on ARM; that of FMI 3
+/// stands for it.
 pub fn platform(version: FmiVersion) -> String {
     match (version, OS) {
         (FmiVersion::V2, "macos") => "darwin64".to_owned(),
         (FmiVersion::V2, "windows") => format!("win{}", usize::BITS),
-        (FmiVersion::V2, _) => format!("{OS}{}", usize::BITS),
+        (FmiVersion::V2, _) if ARCH != "aarch64" => format!("{OS}{}", usize::BITS),
         (FmiVersion::V3, "macos") => format!("{ARCH}-darwin"),
-        (FmiVersion::V3, _) => format!("{ARCH}-{OS}"),
+        _ => format!("{ARCH}-{OS}"),
     }
 }
 

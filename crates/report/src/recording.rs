@@ -18,7 +18,7 @@ pub fn columns(cables: usize) -> Vec<String> {
 /// The column of a model's variable.
 pub fn column(model: Model, variable: &str) -> String {
     match model {
-        Model::Plant => format!("plant.{variable}"),
+        Model::Plant | Model::PlantExchange => format!("plant.{variable}"),
         Model::Controller => format!("controller.{variable}"),
     }
 }

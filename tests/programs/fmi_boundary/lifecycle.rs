@@ -2,8 +2,10 @@
 
 use std::ptr::{null, null_mut};
 
-use cable_robot_fmi::abi::{fmi2::*, fmi2_unsupported::*, fmi3_unsupported::*};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::abi::{
+    fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3_exchange::*, fmi3_unsupported::*,
+};
+use cable_robot_fmi::{CO_SIMULATION, Model};
 
 use crate::slave::{BOTH, DISCARD, ERROR, OK, Slave, Three, Two};
 use crate::{all_pairs, in_state, picture};
@@ -47,7 +49,7 @@ fn every_call_is_allowed_exactly_where_the_standard_allows_it() {
 
 #[test]
 fn what_is_not_supported_says_so() {
-    for model in MODELS {
+    for model in CO_SIMULATION {
         let two = Slave::running(Two, model);
         let three = Slave::running(Three, model);
         let (c, i) = (two.instance, three.instance);

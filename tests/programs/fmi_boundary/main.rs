@@ -1,6 +1,7 @@
 //! The C functions, called as an importer calls them: in order, out of order, and with everything wrong.
 #![allow(unsafe_code, non_snake_case, reason = "this is the importer's side of a C interface")]
 
+mod exchange;
 mod lifecycle;
 mod messages;
 mod slave;
@@ -9,7 +10,7 @@ mod values;
 
 use cable_robot_fmi::models::Scalar;
 use cable_robot_fmi::variables::{Causality, Kind};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Model};
 use slave::{BOTH, ERROR, Fmi, OK, Slave};
 
 /// The scalars of type real with this causality: names and references.
@@ -20,7 +21,7 @@ fn reals(model: Model, causality: Causality) -> Vec<(String, u32)> {
 }
 
 fn all_pairs() -> impl Iterator<Item = (Fmi, Model)> {
-    BOTH.into_iter().flat_map(|fmi| MODELS.map(|model| (fmi, model)))
+    BOTH.into_iter().flat_map(|fmi| CO_SIMULATION.map(|model| (fmi, model)))
 }
 
 /// All reals that can be read, to see whether anything has changed.

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 use cable_robot::robot::PerCable;
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
 use cable_robot_fmi::abi::{fmi2::*, fmi3::*};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Model, Use};
 
 use crate::slave::{BOTH, ERROR, Messages, OK, Slave, Three, Two, WARNING, callbacks, instantiate, log_3};
 
@@ -13,7 +13,7 @@ use crate::slave::{BOTH, ERROR, Messages, OK, Slave, Three, Two, WARNING, callba
 fn a_percent_sign_in_a_message_is_one() {
     for fmi in BOTH {
         let messages = Messages::default();
-        assert!(instantiate(fmi, "%s%n%d 100 %", false, &messages).is_null());
+        assert!(instantiate(fmi, Use::CoSimulation, "%s%n%d 100 %", false, &messages).is_null());
         let text = messages.lock().unwrap()[0].2.clone();
         assert!(text.contains("%s%n%d 100 %"), "{text}");
 
@@ -36,12 +36,12 @@ fn what_cannot_be_instantiated_says_why() {
     let to = std::ptr::from_ref(&messages).cast_mut().cast();
     let callbacks = callbacks(&messages);
     unsafe {
-        assert!(instantiate(Two, "nobody's", true, &messages).is_null());
-        assert!(instantiate(Three, "nobody's", true, &messages).is_null());
+        assert!(instantiate(Two, Use::CoSimulation, "nobody's", true, &messages).is_null());
+        assert!(instantiate(Three, Use::CoSimulation, "nobody's", true, &messages).is_null());
         assert!(fmi2Instantiate(null(), 1, null(), null(), &callbacks, 0, 0).is_null());
         assert!(fmi2Instantiate(null(), 0, token.as_ptr(), null(), &callbacks, 0, 0).is_null());
         assert_eq!(messages.lock().unwrap().len(), 4);
-        let [controller, plant] = MODELS.map(Model::interface);
+        let [controller, plant] = CO_SIMULATION.map(Model::interface);
         for wanted in [controller.token(), plant.token(), "nobody's"] {
             assert!(messages.lock().unwrap()[0].2.contains(wanted), "{wanted}");
         }

@@ -5,8 +5,8 @@ use std::ptr::{null, null_mut};
 use std::sync::Mutex;
 
 use cable_robot_bindings::fmi2::{fmi2CallbackFunctions, fmi2CallbackLogger};
-use cable_robot_fmi::Model;
 use cable_robot_fmi::abi::{fmi2::*, fmi3::*, fmi3_values::*};
+use cable_robot_fmi::{Model, Use};
 
 pub const OK: u32 = 0;
 pub const WARNING: u32 = 1;
@@ -78,15 +78,28 @@ pub fn callbacks(messages: &Messages) -> fmi2CallbackFunctions {
 }
 
 /// An instance, or NULL, of whatever model has `token`.
-pub fn instantiate(fmi: Fmi, token: &str, logging: bool, messages: &Messages) -> *mut c_void {
+pub fn instantiate(fmi: Fmi, usage: Use, token: &str, logging: bool, messages: &Messages) -> *mut c_void {
     let token = CString::new(token).unwrap();
     let (name, place) = (c"test".as_ptr(), c"file:/tmp/with%20space/\xc3\xbc/resources".as_ptr());
     unsafe {
-        match fmi {
-            Two => {
-                fmi2Instantiate(name, 1, token.as_ptr(), place, &callbacks(messages), 0, i32::from(logging))
+        let to = std::ptr::from_ref(messages).cast_mut().cast();
+        match (fmi, usage) {
+            (Two, usage) => {
+                let kind = u32::from(usage == Use::CoSimulation);
+                fmi2Instantiate(
+                    name,
+                    kind,
+                    token.as_ptr(),
+                    place,
+                    &callbacks(messages),
+                    0,
+                    i32::from(logging),
+                )
             }
-            Three => fmi3InstantiateCoSimulation(
+            (Three, Use::ModelExchange) => {
+                fmi3InstantiateModelExchange(name, token.as_ptr(), place, false, logging, to, Some(log_3))
+            }
+            (Three, Use::CoSimulation) => fmi3InstantiateCoSimulation(
                 name,
                 token.as_ptr(),
                 place,
@@ -96,7 +109,7 @@ pub fn instantiate(fmi: Fmi, token: &str, logging: bool, messages: &Messages) ->
                 false,
                 null(),
                 0,
-                std::ptr::from_ref(messages).cast_mut().cast(),
+                to,
                 Some(log_3),
                 None,
             ),
@@ -112,7 +125,7 @@ impl Slave {
 
     pub fn logging(fmi: Fmi, model: Model, on: bool) -> Self {
         let messages = Box::new(Messages::default());
-        let instance = instantiate(fmi, model.interface().token(), on, &messages);
+        let instance = instantiate(fmi, model.usage(), model.interface().token(), on, &messages);
         assert!(!instance.is_null());
         Self { fmi, model, instance, messages }
     }

@@ -1,7 +1,7 @@
 //! States that are saved and put back, and instances beside each other.
 
 use cable_robot_fmi::abi::{fmi2::*, fmi3::*, fmi3_values::*};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Model};
 
 use crate::slave::{BOTH, ERROR, Fmi, OK, Slave, Three, Two};
 use crate::{all_pairs, picture};
@@ -13,7 +13,7 @@ fn drive(slave: &Slave, from: u32, steps: u32) -> Vec<f64> {
         let wave = (0.01 * f64::from(i)).sin();
         match slave.model {
             Model::Controller => slave.set_reals(&[100, 118, 119], &[1e-3 * wave, 0.15, 0.1]),
-            Model::Plant => slave.set_reals(&[100, 107], &[10.0 + wave, 0.2 * wave]),
+            Model::Plant | Model::PlantExchange => slave.set_reals(&[100, 107], &[10.0 + wave, 0.2 * wave]),
         };
         assert_eq!(slave.step(f64::from(i) * 1e-3, 1e-3), OK, "{}", slave.last_message());
         trace.extend(picture(slave));
@@ -77,7 +77,7 @@ fn states_that_are_none_are_refused() {
     for (fmi, model) in all_pairs() {
         let slave = Slave::running(fmi, model);
         let good = slave.save();
-        let theirs = Slave::running(fmi, MODELS[1 - model as usize]).save();
+        let theirs = Slave::running(fmi, CO_SIMULATION[1 - model as usize]).save();
         for round in 0..500 {
             let mut bytes = good.clone();
             match round % 4 {
@@ -130,7 +130,7 @@ fn instances_do_not_know_of_each_other() {
 
 #[test]
 fn both_versions_give_the_same_bits() {
-    for model in MODELS {
+    for model in CO_SIMULATION {
         assert_eq!(drive(&noisy(Two, model, 5), 0, 200), drive(&noisy(Three, model, 5), 0, 200));
     }
 }

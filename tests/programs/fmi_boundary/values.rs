@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use cable_robot_fmi::abi::{fmi2::*, fmi2_unsupported::*, fmi3::*, fmi3_values::*};
 use cable_robot_fmi::variables::{ABOVE_ZERO, Causality, Kind};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::{CO_SIMULATION, Model};
 
 use crate::slave::{BOTH, DISCARD, ERROR, Fmi, OK, Slave, Three, Two};
 use crate::{all_pairs, in_state, picture, reals};
@@ -257,7 +257,7 @@ fn a_fixed_parameter_may_be_written_again_with_the_value_it_has() {
 /// 0 was within the range that the XML says, and refused.
 #[test]
 fn what_must_be_greater_than_zero_says_so() {
-    for model in MODELS {
+    for model in CO_SIMULATION {
         let interface = model.interface();
         for scalar in interface.scalars().filter(|scalar| scalar.row.causality == Causality::Parameter) {
             let Some(min) = scalar.row.min.filter(|_| matches!(scalar.row.kind, Kind::Float64)) else {

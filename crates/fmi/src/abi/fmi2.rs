@@ -14,6 +14,7 @@ use crate::bindings::fmi2::{
 use crate::error::FmiError;
 use crate::lifecycle::function;
 use crate::log::{Log, Sink};
+use crate::models::Use;
 use crate::resources::path_of_uri;
 use crate::variables::Kind;
 
@@ -37,12 +38,10 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
-    let asked_for = match fmuType == fmi2Type_fmi2CoSimulation {
-        true => Ok(()),
-        false => {
-            Err(FmiError::Unsupported { function: "fmi2Instantiate", why: "this FMU has Co-Simulation only" })
-        }
-    };
+    let asked_for = Ok(match fmuType == fmi2Type_fmi2CoSimulation {
+        true => Use::CoSimulation,
+        false => Use::ModelExchange,
+    });
     // SAFETY: the importer keeps the standard: functions and strings are NULL or valid.
     unsafe {
         let log = Log::new(sink(functions.as_ref(), instanceName), loggingOn != fmi2False as fmi2Boolean);

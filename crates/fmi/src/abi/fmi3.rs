@@ -13,6 +13,7 @@ use crate::bindings::fmi3::{
 use crate::error::FmiError;
 use crate::lifecycle::function;
 use crate::log::{Log, Sink};
+use crate::models::Use;
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetVersion() -> *const c_char {
@@ -37,7 +38,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let why =
         "eventModeUsed must be false: this FMU has no Event Mode (hasEventMode in modelDescription.xml)";
     let asked_for = match eventModeUsed {
-        false => Ok(()),
+        false => Ok(Use::CoSimulation),
         true => Err(FmiError::Unsupported { function: "fmi3InstantiateCoSimulation", why }),
     };
     let log = Log::new(sink(logMessage, instanceEnvironment), loggingOn);
@@ -52,15 +53,20 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     _instanceName: fmi3String,
-    _instantiationToken: fmi3String,
-    _resourcePath: fmi3String,
+    instantiationToken: fmi3String,
+    resourcePath: fmi3String,
     _visible: fmi3Boolean,
     loggingOn: fmi3Boolean,
     instanceEnvironment: fmi3InstanceEnvironment,
     logMessage: fmi3LogMessageCallback,
 ) -> fmi3Instance {
     let log = Log::new(sink(logMessage, instanceEnvironment), loggingOn);
-    co_simulation_only("fmi3InstantiateModelExchange", log)
+    // SAFETY: the importer keeps the standard.
+    unsafe {
+        let resources = text(resourcePath).map(PathBuf::from);
+        let function = const { function("fmi3InstantiateModelExchange") };
+        instantiate(function, log, Ok(Use::ModelExchange), instantiationToken, resources)
+    }
 }
 
 #[unsafe(no_mangle)]
@@ -77,13 +83,19 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _unlockPreemption: fmi3UnlockPreemptionCallback,
 ) -> fmi3Instance {
     let log = Log::new(sink(logMessage, instanceEnvironment), loggingOn);
-    co_simulation_only("fmi3InstantiateScheduledExecution", log)
-}
-
-fn co_simulation_only(name: &'static str, log: Log) -> fmi3Instance {
-    let refused = Err(FmiError::Unsupported { function: name, why: "this FMU has Co-Simulation only" });
+    let name = "fmi3InstantiateScheduledExecution";
+    let refused =
+        Err(FmiError::Unsupported { function: name, why: "this FMU is not for Scheduled Execution" });
     // SAFETY: NULL is allowed as token.
-    unsafe { instantiate(function(name), log, refused, std::ptr::null(), None) }
+    unsafe {
+        instantiate(
+            const { function("fmi3InstantiateScheduledExecution") },
+            log,
+            refused,
+            std::ptr::null(),
+            None,
+        )
+    }
 }
 
 /// Hands messages to the importer's logger.

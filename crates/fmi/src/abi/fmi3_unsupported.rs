@@ -3,8 +3,8 @@
 
 use super::refuse;
 use crate::bindings::fmi3::{
-    fmi3Boolean, fmi3Clock, fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3Int32, fmi3IntervalQualifier,
-    fmi3Status, fmi3UInt64, fmi3ValueReference,
+    fmi3Clock, fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3Int32, fmi3IntervalQualifier, fmi3Status,
+    fmi3UInt64, fmi3ValueReference,
 };
 use crate::lifecycle::function;
 
@@ -12,32 +12,6 @@ use crate::lifecycle::function;
 pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3EnterStepMode") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3EnterEventMode") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3EvaluateDiscreteStates") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
-    instance: fmi3Instance,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Float64,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3UpdateDiscreteStates") }) }
 }
 
 #[unsafe(no_mangle)]
@@ -74,22 +48,6 @@ pub unsafe extern "C" fn fmi3GetVariableDependencies(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3GetVariableDependencies") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
-    instance: fmi3Instance,
-    _: *const fmi3ValueReference,
-    _: usize,
-    _: *const fmi3ValueReference,
-    _: usize,
-    _: *const fmi3Float64,
-    _: usize,
-    _: *mut fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetDirectionalDerivative") }) }
 }
 
 #[unsafe(no_mangle)]
@@ -235,94 +193,6 @@ pub unsafe extern "C" fn fmi3SetShiftFraction(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3SetShiftFraction") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3EnterContinuousTimeMode") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
-    instance: fmi3Instance,
-    _: fmi3Boolean,
-    _: *mut fmi3Boolean,
-    _: *mut fmi3Boolean,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3CompletedIntegratorStep") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetTime(instance: fmi3Instance, _: fmi3Float64) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3SetTime") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetContinuousStates(
-    instance: fmi3Instance,
-    _: *const fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3SetContinuousStates") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(
-    instance: fmi3Instance,
-    _: *mut fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetContinuousStateDerivatives") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetEventIndicators(
-    instance: fmi3Instance,
-    _: *mut fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetEventIndicators") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetContinuousStates(
-    instance: fmi3Instance,
-    _: *mut fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetContinuousStates") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(
-    instance: fmi3Instance,
-    _: *mut fmi3Float64,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetNominalsOfContinuousStates") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: fmi3Instance, _: *mut usize) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetNumberOfEventIndicators") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(
-    instance: fmi3Instance,
-    _: *mut usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetNumberOfContinuousStates") }) }
 }
 
 #[unsafe(no_mangle)]

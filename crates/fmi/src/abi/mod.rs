@@ -8,9 +8,12 @@
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![allow(missing_docs, clippy::missing_safety_doc, reason = "the standard documents the functions")]
 
+mod exchange;
 pub mod fmi2;
+pub mod fmi2_exchange;
 pub mod fmi2_unsupported;
 pub mod fmi3;
+pub mod fmi3_exchange;
 pub mod fmi3_unsupported;
 pub mod fmi3_values;
 mod signatures;
@@ -25,13 +28,14 @@ use super::error::{FmiError, Status};
 use super::instance::Instance;
 use super::lifecycle::Function;
 use super::log::{Category, Log};
+use super::models::Use;
 use super::resources;
 use super::variables::Kind;
 
 /// What both versions return as status: an unsigned int with the numbers of [`Status`].
 type StatusCode = std::ffi::c_uint;
 
-/// Makes an instance of the model that has this token, or says why not and returns NULL. `resources` is the path of the FMU's
+/// Makes an instance of the model that has this token for the use asked for, or says why not and returns NULL. `resources` is the path of the FMU's
 /// resources, where the rig of an FMU for another rig than the paper's is.
 ///
 /// # Safety
@@ -39,15 +43,22 @@ type StatusCode = std::ffi::c_uint;
 unsafe fn instantiate(
     function: &'static Function,
     log: Log,
-    asked_for: Result<(), FmiError>,
+    asked_for: Result<Use, FmiError>,
     token: *const c_char,
     resources: Option<PathBuf>,
 ) -> *mut c_void {
     let made = catch(function, || {
-        asked_for?;
+        let asked_for = asked_for?;
         // SAFETY: the caller's promise.
         let given = unsafe { text(token) }.unwrap_or_default();
-        resources::interface(&given, resources.as_deref())
+        let interface = resources::interface(&given, resources.as_deref())?;
+        let usage = interface.model().usage();
+        let why = usage.refusal();
+        if usage == asked_for {
+            Ok(interface)
+        } else {
+            Err(FmiError::Unsupported { function: function.name, why })
+        }
     });
     match made {
         Ok(interface) => Box::into_raw(Box::new(Instance::new(interface, log))).cast(),
@@ -84,7 +95,7 @@ unsafe fn call(
         return Status::Error as StatusCode; // There is no logger to tell.
     };
     let outcome = catch(function, || {
-        function.check(instance.state())?;
+        function.check(instance.state(), instance.model().usage())?;
         body(instance)
     });
     let Err(error) = outcome else { return Status::Ok as StatusCode };

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::io;
 
 use super::xml::{
-    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is, items, leaf,
-    measure, node, range, units,
+    Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is,
+    is_initial_unknown, items, leaf, measure, node, output_dependencies, range, state_of, units,
 };
-use crate::models::{Interface, Scalar};
+use crate::models::exchange::INDICATORS;
+use crate::models::{Interface, Scalar, Use};
 use crate::variables::{Causality, Kind};
 
 /// The XML of a model for a rig.
@@ -42,6 +43,20 @@ pub fn icon_place() -> String {
 }
 
 fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
+    if interface.model().usage() == Use::ModelExchange {
+        let attributes = [
+            is("modelIdentifier", interface.model().identifier()),
+            is("needsExecutionTool", false),
+            is("canBeInstantiatedOnlyOncePerProcess", false),
+            is("canGetAndSetFMUState", true),
+            is("canSerializeFMUState", true),
+            is("providesDirectionalDerivatives", true),
+            is("providesAdjointDerivatives", false),
+            is("providesPerElementDependencies", false),
+            is("needsCompletedIntegratorStep", false),
+        ];
+        return leaf(xml, "ModelExchange", &attributes);
+    }
     let attributes = [
         is("modelIdentifier", interface.model().identifier()),
         is("needsExecutionTool", false),
@@ -98,24 +113,40 @@ fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
                 Kind::Enumeration(kind) => Some(kind.name.to_owned()),
                 _ => type_name(&scalar),
             };
-            let attributes =
-                [identity(&scalar), vec![("declaredType", declared)], range(interface, &scalar)].concat();
+            let derivative = ("derivative", state_of(&scalar).map(|state| state.to_string()));
+            let attributes = [
+                identity(&scalar),
+                vec![("declaredType", declared)],
+                range(interface, &scalar),
+                vec![derivative],
+            ]
+            .concat();
             leaf(xml, kind.name(), &attributes)
         })
     })
 }
 
-/// Outputs change in a step only, so at a communication point they depend on nothing; at the start they depend on what
+/// Outputs of co-simulation change in a step only, so at a communication point they depend on nothing; at the start unknowns depend on what
 /// the table says.
 fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     let outputs = || interface.scalars().filter(|scalar| scalar.row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
         outputs().try_for_each(|Scalar { reference, .. }| {
-            leaf(xml, "Output", &[is("valueReference", reference), is("dependencies", "")])
+            let reference = is("valueReference", reference);
+            leaf(xml, "Output", &[reference, ("dependencies", output_dependencies(interface))])
         })?;
-        outputs().try_for_each(|Scalar { row, reference, .. }| {
-            let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
-            leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
+        interface.scalars().filter(|scalar| state_of(scalar).is_some()).try_for_each(|scalar| {
+            leaf(xml, "ContinuousStateDerivative", &[is("valueReference", scalar.reference)])
+        })?;
+        interface.scalars().filter(is_initial_unknown).try_for_each(
+            |Scalar { row, reference, .. }| {
+                let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
+                leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
+            },
+        )?;
+        let indicators = interface.rows().iter().filter(|row| row.first == INDICATORS.first);
+        indicators.flat_map(|row| interface.scalars_of(row)).try_for_each(|Scalar { reference, .. }| {
+            leaf(xml, "EventIndicator", &[is("valueReference", reference)])
         })
     })
 }

@@ -4,7 +4,7 @@ use quick_xml::escape::escape;
 
 use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
-use crate::models::{Interface, Model, Scalar};
+use crate::models::{Interface, Model, Scalar, Use};
 use crate::variables::{ABOVE_ZERO, Causality, Row};
 use cable_robot::robot::Rig;
 
@@ -22,7 +22,7 @@ pub fn render(interface: &Interface, version: Version) -> String {
         statuses(interface),
         behaviour(model),
         logging(),
-        limits(),
+        limits(model),
     ];
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
@@ -69,6 +69,7 @@ fn first_steps(interface: &Interface) -> String {
     let script = match interface.model() {
         Model::Controller => include_str!("controller.py"),
         Model::Plant => include_str!("plant.py"),
+        Model::PlantExchange => include_str!("plant_exchange.py"),
     };
     format!(
         "<h2>First steps in Python</h2>\n<p>With <code>pip install fmpy</code>:</p>\n<pre>{}</pre>",
@@ -77,19 +78,34 @@ fn first_steps(interface: &Interface) -> String {
 }
 
 fn variables(interface: &Interface, version: Version) -> String {
+    let (inputs, outputs) = match interface.model().usage() {
+        Use::CoSimulation => {
+            ("Held during a step.", "Known from Initialization Mode on; they change when a step ends.")
+        }
+        Use::ModelExchange => {
+            ("Functions of time, which may jump at events.", "Known from Initialization Mode on.")
+        }
+    };
+    let local = "States, their derivatives and the event indicators, for the integrator.";
     [
         ("Parameters", Causality::Parameter, "Checked when initialisation ends, and fixed from then on, but for gains, limits and tolerances (variability tunable): those may change between two steps, and act as soon as the motion under way is proved to go on with them (parametersPending). A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
-        ("Inputs", Causality::Input, "Held during a step."),
-        ("Outputs", Causality::Output, "Known from Initialization Mode on; they change when a step ends."),
+        ("Inputs", Causality::Input, inputs),
+        ("Outputs", Causality::Output, outputs),
+        ("Local variables", Causality::Local, local),
     ]
     .map(|(title, causality, text)| {
         let rows: String = interface.rows_with(causality).map(|row| table_row(interface, version, row)).collect();
+        if rows.is_empty() {
+            return String::new();
+        }
         format!(
             "<h2>{title}</h2>\n<p>{text}</p>\n<div class=\"wide\"><table>\n<tr><th>Name</th><th>Type</th><th>Unit</th>\
              <th>Start</th><th>Range</th><th>Reference</th><th>Meaning</th></tr>\n{rows}</table></div>"
         )
     })
     .join("\n")
+    .trim_end()
+    .to_owned()
 }
 
 fn table_row(interface: &Interface, version: Version, row: &'static Row) -> String {
@@ -107,8 +123,15 @@ fn table_row(interface: &Interface, version: Version, row: &'static Row) -> Stri
         (None, Some(max)) => format!("up to {max}"),
         (None, None) => String::new(),
     };
-    let name = escape(row.name);
-    let suffix = |scalar: Scalar| scalar.name()[row.name.len()..].to_owned();
+    let name = match row.derivative_of {
+        Some(state) => format!("der({})", state.name),
+        None => row.name.to_owned(),
+    };
+    let name = escape(&name);
+    let suffix = |scalar: Scalar| match row.derivative_of {
+        Some(state) => state.scalar_name(scalar.position)[state.name.len()..].to_owned(),
+        None => scalar.name()[row.name.len()..].to_owned(),
+    };
     let suffixes = interface.scalars_of(row).map(suffix).collect::<Vec<_>>().join(" ");
     format!(
         "<tr><td><code>{name}</code> <small>{suffixes}</small></td><td>{}</td><td>{}</td><td>{}</td><td>{range}</td>\
@@ -162,10 +185,22 @@ fn behaviour(model: Model) -> String {
             "The integrator controls its own error, so that results do not depend on the step size as long as the inputs \
              are held. The tolerance of the experiment is not used."
         }
+        Model::PlantExchange => {
+            "The importer integrates the 13 states. Each cable has one event indicator, <code>pull</code>: where it changes its sign the cable \
+             goes slack or taut, and until the importer has found that instant the equations go on as before, so that they are smooth between \
+             events. The one bend that no event marks is that of a command through zero while friction holds the cable. Directional derivatives of \
+             derivatives, outputs and event indicators with respect to states and inputs are exact. The motors have no lag, encoders and load cells \
+             no imperfections: those are the co-simulation plant's."
+        }
+    };
+    let steps = match model.usage() {
+        Use::CoSimulation => {
+            "Steps may vary in size. The start of a step is compared with the end of the last one with a tolerance, so that 0.1 + 0.2 counts as 0.3. "
+        }
+        Use::ModelExchange => "",
     };
     format!(
-        "<h2>Behaviour</h2>\n<p>{own}</p>\n<p>Steps may vary in size. The start of a step is compared with the end of the \
-         last one with a tolerance, so that 0.1 + 0.2 counts as 0.3. A number that is not finite is refused, and so is a \
+        "<h2>Behaviour</h2>\n<p>{own}</p>\n<p>{steps}A number that is not finite is refused, and so is a \
          parameter out of range; the message names the variable, its value and what is allowed. After an error reset the \
          instance or give it back a saved state: values are as they were before the call that failed. Saved states can be \
          serialised and continue bit for bit in another process, in either version of FMI. Several instances may run in \
@@ -187,9 +222,15 @@ fn logging() -> String {
     )
 }
 
-fn limits() -> String {
-    "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy on Linux. They were <strong>not</strong> tried \
-     with Dymola, Simulink or OpenModelica. Model Exchange, Event Mode, directional derivatives and derivatives of inputs and \
-     outputs are not supported, as modelDescription.xml says.</p>"
-        .to_owned()
+fn limits(model: Model) -> String {
+    let lacking = match model.usage() {
+        Use::CoSimulation => {
+            "Event Mode, directional derivatives and derivatives of inputs and outputs are not supported"
+        }
+        Use::ModelExchange => "Adjoint derivatives are not supported",
+    };
+    format!(
+        "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy on Linux. They were <strong>not</strong> tried with Dymola, Simulink or \
+         OpenModelica. {lacking}, as modelDescription.xml says.</p>"
+    )
 }

@@ -6,8 +6,9 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 
 use crate::log::CATEGORIES;
-use crate::models::{Interface, Scalar};
-use crate::variables::{ABOVE_ZERO, Enumeration, Kind, Row, Unit};
+use crate::models::exchange::STATES;
+use crate::models::{Interface, Scalar, Use};
+use crate::variables::{ABOVE_ZERO, Causality, Enumeration, Kind, Row, Unit};
 
 /// Where elements go.
 pub type Xml = Writer<Vec<u8>>;
@@ -166,6 +167,22 @@ pub fn number(kind: Kind, value: f64) -> String {
         _ if value.abs() >= 1e15 => format!("{value:e}"),
         _ => value.to_string(),
     }
+}
+
+/// The value reference of the state whose derivative a scalar is.
+pub fn state_of(scalar: &Scalar) -> Option<u32> {
+    scalar.row.derivative_of.map(|row| row.reference(scalar.position))
+}
+
+/// Whether initialisation must calculate a scalar: outputs, states and their derivatives.
+pub fn is_initial_unknown(scalar: &Scalar) -> bool {
+    let is_state = STATES.iter().any(|(row, _)| row.first == scalar.row.first);
+    scalar.row.causality == Causality::Output || is_state || state_of(scalar).is_some()
+}
+
+/// What outputs depend on while the model runs: nothing in co-simulation, else not said, which is all.
+pub fn output_dependencies(interface: &Interface) -> Option<String> {
+    (interface.model().usage() == Use::CoSimulation).then(String::new)
 }
 
 /// The scalars that an output depends on at the start, as `number_of` counts them, in ascending order.

@@ -3,7 +3,7 @@
 use uuid::Uuid;
 
 use super::robot::{parameters, rig, rig_with_limits};
-use super::{Model, Running, controller, plant};
+use super::{Model, Running, controller, exchange, plant};
 use crate::error::FmiError;
 use crate::values::Values;
 use crate::variables::{Causality, Kind, Row};
@@ -51,6 +51,7 @@ impl Interface {
         let rows = match model {
             Model::Controller => controller::ROWS,
             Model::Plant => plant::ROWS,
+            Model::PlantExchange => exchange::ROWS,
         };
         let mut start = Values::zero(rows, 6);
         for row in rows {
@@ -65,7 +66,8 @@ impl Interface {
     pub fn of_rig(model: Model, file: &RigFile) -> Self {
         let rows = match model {
             Model::Controller => controller::rows_of(&file.rig),
-            Model::Plant => plant::rows_of(),
+            Model::Plant => plant::rows_of(plant::ROWS),
+            Model::PlantExchange => plant::rows_of(exchange::ROWS),
         };
         let cables = file.rig.cables.len();
         let mut start = Values::zero(&rows, cables);
@@ -82,7 +84,7 @@ impl Interface {
                     ControllerParameters { lambda: file.lambda, eta: file.eta, planner, ..of_rig };
                 controller::write_start(&parameters, &file.home, &mut start);
             }
-            Model::Plant => plant::write_start(&file.rig, &file.home, &mut start),
+            Model::Plant | Model::PlantExchange => plant::write_start(&file.rig, &file.home, &mut start),
         }
         Self::new(model, rows, Some(file.rig), file.name.clone(), start, cables)
     }
@@ -153,8 +155,16 @@ impl Interface {
 
     /// The scalars of a row.
     pub fn scalars_of(&self, row: &'static Row) -> impl Iterator<Item = Scalar> + use<> {
-        let count = row.count(self.cables);
-        (0..count).map(move |position| Scalar { row, position, reference: row.reference(position) })
+        scalars_of(row, self.cables)
+    }
+
+    /// The scalars of some rows.
+    pub fn scalars_of_all<const N: usize>(
+        &self,
+        rows: [&'static Row; N],
+    ) -> impl Iterator<Item = Scalar> + use<N> {
+        let cables = self.cables;
+        rows.into_iter().flat_map(move |row| scalars_of(row, cables))
     }
 
     /// Every scalar, in the order of the table.
@@ -204,6 +214,13 @@ impl Interface {
             (Model::Plant, None) => {
                 "A rigid platform on six cables that pull and never push, with a rig's imperfections".to_owned()
             }
+            (Model::PlantExchange, None) => {
+                "A rigid platform on six cables that pull and never push, for the integrator of the importer".to_owned()
+            }
+            (Model::PlantExchange, Some(_)) => format!(
+                "The platform of the cable robot {} on {} cables that pull and never push, for the integrator of the importer",
+                self.name, self.cables
+            ),
             (Model::Controller, Some(_)) => format!(
                 "Controller and planner of the cable robot {} ({} cables): set points from which no cable goes slack",
                 self.name, self.cables
@@ -223,6 +240,7 @@ impl Interface {
         let running = match self.model {
             Model::Controller => Running::Controller(controller::start(self, values, time)?),
             Model::Plant => Running::Plant(plant::start(self, values)?),
+            Model::PlantExchange => Running::PlantExchange(exchange::start(self, values)?),
         };
         running.write_outputs(values);
         Ok(running)
@@ -236,7 +254,7 @@ impl Interface {
                 [i1, i2, i3]
             }
             (Some(known), Model::Controller) => principal(&rig_with_limits(values, known)),
-            (Some(known), Model::Plant) => principal(&rig(values, known)),
+            (Some(known), Model::Plant | Model::PlantExchange) => principal(&rig(values, known)),
         };
         let largest = a.max(b).max(c);
         // With equality the body is flat: rounding does not make it impossible.
@@ -252,6 +270,10 @@ impl Interface {
              such a set; the equations accept it."
         ))
     }
+}
+
+fn scalars_of(row: &'static Row, cables: usize) -> impl Iterator<Item = Scalar> {
+    (0..row.count(cables)).map(move |position| Scalar { row, position, reference: row.reference(position) })
 }
 
 fn principal(rig: &Rig) -> [f64; 3] {

@@ -1,6 +1,7 @@
-//! The two models of the library: which variables they have, and how values become a running controller or plant.
+//! The models of the library: which variables they have, and how values become a running controller or plant.
 
 pub mod controller;
+pub mod exchange;
 mod interface;
 pub mod plant;
 mod robot;
@@ -10,21 +11,34 @@ use serde::{Deserialize, Serialize};
 use super::error::FmiError;
 use super::values::Values;
 use cable_robot::plan::{Check, Controller, Fault};
-use cable_robot::sim::plant::Plant;
+use cable_robot::sim::{ContinuousPlant, Plant};
 
 pub use interface::{Interface, Scalar};
 
-/// Which of the two models.
+/// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Model {
     /// Section V: pose in, motor tensions out.
     Controller,
     /// Section VI: motor tensions in, pose out.
     Plant,
+    /// The same for an importer's own integrator.
+    PlantExchange,
 }
 
-/// Both models, in the order of their FMUs.
-pub const MODELS: [Model; 2] = [Model::Controller, Model::Plant];
+/// What an importer does with a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// It asks for steps.
+    CoSimulation,
+    /// It integrates the derivatives.
+    ModelExchange,
+}
+
+/// All models, in the order of their FMUs.
+pub const MODELS: [Model; 3] = [Model::Controller, Model::Plant, Model::PlantExchange];
+/// Those that step by themselves.
+pub const CO_SIMULATION: [Model; 2] = [Model::Controller, Model::Plant];
 
 /// A model under way: a copy is cheap and allocates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +48,18 @@ pub enum Running {
     Controller(Controller),
     /// See [`Plant`].
     Plant(Plant),
+    /// See [`ContinuousPlant`].
+    PlantExchange(ContinuousPlant),
+}
+
+impl Use {
+    /// Why what belongs to the other use is refused.
+    pub fn refusal(self) -> &'static str {
+        match self {
+            Use::CoSimulation => "this FMU has Co-Simulation only, not Model Exchange",
+            Use::ModelExchange => "this FMU has Model Exchange only, not Co-Simulation",
+        }
+    }
 }
 
 impl Model {
@@ -42,6 +68,15 @@ impl Model {
         match self {
             Model::Controller => "CableRobotController",
             Model::Plant => "CableRobotPlant",
+            Model::PlantExchange => "CableRobotPlantME",
+        }
+    }
+
+    /// What it is for.
+    pub fn usage(self) -> Use {
+        match self {
+            Model::Controller | Model::Plant => Use::CoSimulation,
+            Model::PlantExchange => Use::ModelExchange,
         }
     }
 
@@ -57,6 +92,7 @@ impl Running {
         match self {
             Running::Controller(_) => Model::Controller,
             Running::Plant(_) => Model::Plant,
+            Running::PlantExchange(_) => Model::PlantExchange,
         }
     }
 
@@ -80,6 +116,8 @@ impl Running {
                 controller.step(time, h, &controller::inputs(values));
             }
             Running::Plant(plant) => plant.step(&plant::inputs(values), h)?,
+            // Its importer integrates.
+            Running::PlantExchange(_) => {}
         }
         Ok(())
     }
@@ -90,7 +128,7 @@ impl Running {
             Running::Controller(controller) => {
                 Some(&controller.outputs().fault).filter(|fault| fault.check != Check::None)
             }
-            Running::Plant(_) => None,
+            Running::Plant(_) | Running::PlantExchange(_) => None,
         }
     }
 
@@ -111,11 +149,12 @@ impl Running {
         }
     }
 
-    /// Copies the outputs into `values`.
+    /// Copies the outputs into `values`, and what is local.
     pub fn write_outputs(&self, values: &mut Values) {
         match self {
             Running::Controller(controller) => controller::write(controller.outputs(), values),
             Running::Plant(plant) => plant::write(plant.outputs(), values),
+            Running::PlantExchange(plant) => exchange::write(plant, values),
         }
     }
 }
@@ -217,6 +256,12 @@ mod tests {
                 &[("minTension", 15.0)],
                 &[("maxTension", 5.0)],
             ],
+            Model::PlantExchange => &[
+                &[],
+                &[("friction", 1.0), ("motorTension[1]", -1.0), ("motorTension[2]", -1.0)],
+                &[("motorTension[1]", -1.0), ("motorTension[2]", -1.0)],
+                &[("initialPose.x", 0.1), ("initialPose.roll", 0.1)],
+            ],
             Model::Plant => &[
                 &[],
                 &[("encoderResolution", 1e-3)],
@@ -235,20 +280,24 @@ mod tests {
         settings.iter().map(with).collect()
     }
 
+    fn is_calculated(scalar: &Scalar) -> bool {
+        matches!(scalar.row.causality, Causality::Output | Causality::Local)
+    }
+
     /// (name of an output row, name of a row it was seen to depend on at the start), by changing one value at a time.
-    fn observed(interface: &Interface) -> BTreeSet<(&'static str, &'static str)> {
+    fn observed(interface: &Interface) -> BTreeSet<(String, &'static str)> {
         let mut found = BTreeSet::new();
         for point in points(interface) {
             let mut before = point.clone();
             interface.begin(&mut before, 0.0).unwrap();
-            for known in interface.scalars().filter(|scalar| scalar.row.causality != Causality::Output) {
+            for known in interface.scalars().filter(|scalar| !is_calculated(scalar)) {
                 for value in others(known.row, point.at(known.reference)) {
                     let mut after = point.clone();
                     after.put(known.reference, value);
                     if interface.begin(&mut after, 0.0).is_ok() {
-                        let outputs = interface.scalars().filter(|s| s.row.causality == Causality::Output);
+                        let outputs = interface.scalars().filter(is_calculated);
                         let changed = outputs.filter(|s| before.at(s.reference) != after.at(s.reference));
-                        found.extend(changed.map(|scalar| (scalar.row.name, known.row.name)));
+                        found.extend(changed.map(|scalar| (scalar.row.scalar_name(0), known.row.name)));
                     }
                 }
             }
@@ -268,9 +317,10 @@ mod tests {
     #[test]
     fn outputs_depend_at_the_start_on_exactly_what_the_table_says() {
         for interface in MODELS.map(Model::interface) {
-            let outputs = interface.rows_with(Causality::Output);
+            let outputs = [Causality::Output, Causality::Local].map(|of| interface.rows_with(of));
+            let outputs = outputs.into_iter().flatten();
             let declared: BTreeSet<_> = outputs
-                .flat_map(|row| interface.dependencies(row).map(|known| (row.name, known.name)))
+                .flat_map(|row| interface.dependencies(row).map(|known| (row.scalar_name(0), known.name)))
                 .collect();
             let observed = observed(&interface);
             let (missing, false_ones): (Vec<_>, Vec<_>) =
@@ -287,6 +337,6 @@ mod tests {
     #[test]
     fn models_and_rigs_have_different_tokens() {
         let tokens: BTreeSet<String> = interfaces().iter().map(|i| i.token().to_owned()).collect();
-        assert_eq!(tokens.len(), 4);
+        assert_eq!(tokens.len(), interfaces().len());
     }
 }

@@ -12,7 +12,7 @@ use cable_robot::control::static_tensions;
 use cable_robot::robot::{ParameterError, Pose, Rig, Shape as PaperShape};
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
-const INITIAL_POSE: Row = Row {
+pub(super) const INITIAL_POSE: Row = Row {
     shape: Shape::Pose,
     ..parameter(
         8,
@@ -22,7 +22,7 @@ const INITIAL_POSE: Row = Row {
         "Pose at which the platform hangs at rest when the simulation starts",
     )
 };
-const FRICTION: Row = Row {
+pub(super) const FRICTION: Row = Row {
     min: Some(0.0),
     ..parameter(14, "friction", &NEWTON, &[0.0], "Coulomb friction between motor and platform, a cable")
 };
@@ -52,7 +52,7 @@ const NOISE_SEED: Row = setting(
     "Seed of the load cells' noise: the same seed, the same noise",
 );
 
-const MOTOR_TENSION: Row = Row {
+pub(super) const MOTOR_TENSION: Row = Row {
     seventh: 500,
     nominal: Some(10.0),
     ..input(
@@ -64,7 +64,7 @@ const MOTOR_TENSION: Row = Row {
         "What the motor of the cable is told to pull; negative pulls with zero",
     )
 };
-const DISTURBANCE_FORCE: Row = input(
+pub(super) const DISTURBANCE_FORCE: Row = input(
     106,
     "disturbanceForce",
     Shape::Vector,
@@ -72,7 +72,7 @@ const DISTURBANCE_FORCE: Row = input(
     &[0.0],
     "Force on the platform's centre of mass, base frame",
 );
-const DISTURBANCE_TORQUE: Row = input(
+pub(super) const DISTURBANCE_TORQUE: Row = input(
     109,
     "disturbanceTorque",
     Shape::Vector,
@@ -84,11 +84,11 @@ const DISTURBANCE_TORQUE: Row = input(
 const POSE: &[&Row] = &[&A, &B, &ANCHOR, &ATTACHMENT, &INITIAL_POSE, &ENCODER_RESOLUTION];
 const TENSION: &[&Row] = &[&LOAD_CELL_NOISE, &NOISE_SEED, &MOTOR_TENSION];
 
-const ENCODER_POSE: Row =
+pub(super) const ENCODER_POSE: Row =
     output(200, "encoderPose", Shape::Pose, None, POSE, "Pose of the platform as the encoders see it");
-const VELOCITY: Row =
+pub(super) const VELOCITY: Row =
     output(206, "velocity", Shape::Vector, Some(&METRE_PER_SECOND), &[], "Velocity of the centre of mass");
-const ANGULAR_VELOCITY: Row = output(
+pub(super) const ANGULAR_VELOCITY: Row = output(
     209,
     "angularVelocity",
     Shape::Vector,
@@ -96,7 +96,7 @@ const ANGULAR_VELOCITY: Row = output(
     &[],
     "Angular velocity of the platform, base frame",
 );
-const CABLE_LENGTH: Row = Row {
+pub(super) const CABLE_LENGTH: Row = Row {
     seventh: 510,
     ..output(
         212,
@@ -107,7 +107,7 @@ const CABLE_LENGTH: Row = Row {
         "Length of the cable as its encoder sees it",
     )
 };
-const MEASURED_TENSION: Row = Row {
+pub(super) const MEASURED_TENSION: Row = Row {
     seventh: 520,
     nominal: Some(10.0),
     ..output(
@@ -119,7 +119,7 @@ const MEASURED_TENSION: Row = Row {
         "Tension of the cable as its load cell sees it",
     )
 };
-const SLACK: Row = Row {
+pub(super) const SLACK: Row = Row {
     seventh: 530,
     kind: Kind::Boolean,
     variability: Variability::Discrete,
@@ -153,20 +153,28 @@ pub const ROWS: &[&Row] = &[
     &SLACK,
 ];
 
-/// The table of another rig.
-pub fn rows_of() -> Vec<&'static Row> {
+/// A table of the paper's rig made one of another rig.
+pub fn rows_of(table: &[&'static Row]) -> Vec<&'static Row> {
     let of_paper = [&A, &B, &M, &I1, &I2, &I3, &G].map(|row| row.name);
     let mut rows = vec![&TIME, &MASS, &INERTIA, &GRAVITY, &ANCHOR, &ATTACHMENT];
-    rows.extend(ROWS.iter().skip(1).filter(|row| !of_paper.contains(&row.name)));
+    rows.extend(table.iter().skip(1).filter(|row| !of_paper.contains(&row.name)));
     rows
 }
 
 /// Starts a plant with the parameters and inputs in `values`.
 pub fn start(interface: &Interface, values: &Values) -> Result<Plant, ParameterError> {
+    Plant::new(checked_parameters(interface, values)?, &inputs(values))
+}
+
+/// The parameters, those of the paper's robot checked under their own names. What a table lacks is zero.
+pub(super) fn checked_parameters(
+    interface: &Interface,
+    values: &Values,
+) -> Result<PlantParameters, ParameterError> {
     if interface.rig().is_none() {
         parameters(values).validate()?;
     }
-    Plant::new(plant_parameters(interface, values), &inputs(values))
+    Ok(plant_parameters(interface, values))
 }
 
 fn plant_parameters(interface: &Interface, values: &Values) -> PlantParameters {
