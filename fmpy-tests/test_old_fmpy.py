@@ -14,7 +14,7 @@ print(json.dumps([__version__, rows]))
 """
 
 
-def test_fmpy_0_3_12_reads_and_steps_all_four(tmp_path):
+def test_fmpy_0_3_12_reads_and_runs_all_six(tmp_path):
     venv.create(tmp_path, with_pip=True)
     python = tmp_path / "bin" / "python"
     # fmpy of that time wants setuptools, and knows numpy 1 only.
@@ -23,4 +23,4 @@ def test_fmpy_0_3_12_reads_and_steps_all_four(tmp_path):
     paths = [str(path) for path in sorted(FMUS.glob("fmi[23]/*.fmu"))]
     done = subprocess.run([python, "-c", SCRIPT, *paths], check=True, capture_output=True, text=True)
     version, rows = json.loads(done.stdout.splitlines()[-1])
-    assert version == "0.3.12" and rows == {path: 11 for path in paths} and len(paths) == 4
+    assert version == "0.3.12" and rows == {path: 11 for path in paths} and len(paths) == 6

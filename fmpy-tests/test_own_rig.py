@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
@@ -49,6 +50,16 @@ def test_they_validate_and_speak_of_eight_cables(folder, version, model):
     variables = Slave(path).variables
     assert "motorTension[8]" in variables and "anchor[8].z" in variables
     assert "motorTension[9]" not in variables and "a" not in variables
+
+
+def test_the_plant_for_model_exchange_has_an_indicator_a_cable_and_starts_at_rest(folder, version):
+    path = folder / f"fmi{version}" / "CableRobotPlantME.fmu"
+    assert validate_fmu(str(path)) == []
+    description = read_model_description(str(path))
+    assert (description.numberOfContinuousStates, description.numberOfEventIndicators) == (13, 8)
+    result = simulate_fmu(str(path), stop_time=0.1, output=["encoderPose.z", "measuredTension[8]"])
+    assert abs(result["encoderPose.z"] - result["encoderPose.z"][0]).max() < 1e-6
+    assert result["measuredTension[8]"].min() > 0.0
 
 
 def test_a_goal_is_reached_within_the_limits(folder, version):
