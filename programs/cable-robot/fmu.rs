@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
 use cable_robot_fmi::archive;
-use cable_robot_fmi::describe::{VERSIONS, Version, system_structure};
+use cable_robot_fmi::describe::{System, VERSIONS, Version};
 use cable_robot_fmi::{CO_SIMULATION, Interface, MODELS, Model};
 use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
@@ -28,7 +28,7 @@ pub struct Fmu {
     /// Folder of the FMUs of the paper's rig, fmi2 and fmi3 in it; without it where the program lies or `cargo fmu build` packs them
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     library: Option<PathBuf>,
-    /// Writes FOLDER/CableRobot.ssp as well: controller and plant connected (SSP 1.0, FMI 2)
+    /// Writes controller and plant, connected, to FOLDER as well: CableRobot.ssp (SSP 1.0, FMI 2), CableRobotFMI3.ssp (SSP 2.0, FMI 3), CableRobotClosed.ssp (SSP 1.0, without inputs and outputs, for masters that know none)
     #[arg(long)]
     ssp: bool,
     /// Shows importers reals only, for those that know nothing else: Booleans as 0 or 1, enumerations as numbers
@@ -43,7 +43,7 @@ impl Fmu {
     pub fn run(&self) -> Result<Outcome> {
         let mut paths = pack(&self.rig, self.reals, &self.output, &library_folder(self.library.as_deref())?)?;
         if self.ssp {
-            paths.push(pack_system(&self.rig, self.reals, &self.output)?);
+            paths.extend(pack_systems(&self.rig, self.reals, &self.output)?);
         }
         if self.json {
             print_json(&json!({ "fmus": paths }))?;
@@ -79,20 +79,31 @@ fn path_of(folder: &Path, model: Model, version: Version) -> PathBuf {
 /// The step that masters of a system are expected to take, s.
 const STEP: f64 = 1e-3;
 
-/// Packs the FMUs for FMI 2 in a folder as one system.
-fn pack_system(rig: &Path, reals: bool, folder: &Path) -> Result<PathBuf> {
+/// Name of the file, version of the FMUs in it, and whether it has no inputs and outputs.
+const SYSTEMS: [(&str, Version, bool); 3] = [
+    ("CableRobot.ssp", Version::Fmi2, false),
+    ("CableRobotFMI3.ssp", Version::Fmi3, false),
+    ("CableRobotClosed.ssp", Version::Fmi2, true),
+];
+
+/// Packs the FMUs in a folder as systems; their paths.
+fn pack_systems(rig: &Path, reals: bool, folder: &Path) -> Result<Vec<PathBuf>> {
     let file = read_rig(rig)?.1;
     let [controller, plant] = CO_SIMULATION.map(|model| interface(model, &file, reals));
-    let mut files = archive::Files::new();
-    files.insert("SystemStructure.ssd".into(), system_structure(&controller, &plant, STEP).into_bytes());
-    for model in CO_SIMULATION {
-        let path = path_of(folder, model, Version::Fmi2);
-        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        files.insert(format!("resources/{}.fmu", model.identifier()), bytes);
-    }
-    let path = folder.join("CableRobot.ssp");
-    archive::write(&path, &files).with_context(|| format!("cannot write {}", path.display()))?;
-    Ok(path)
+    let pack = |(name, fmi, is_closed): (&str, Version, bool)| {
+        let system = System { controller: &controller, plant: &plant, fmi, is_closed, step: STEP };
+        let mut files = archive::Files::new();
+        files.insert("SystemStructure.ssd".into(), system.structure().into_bytes());
+        for model in CO_SIMULATION {
+            let path = path_of(folder, model, fmi);
+            let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            files.insert(format!("resources/{}.fmu", model.identifier()), bytes);
+        }
+        let path = folder.join(name);
+        archive::write(&path, &files).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(path)
+    };
+    SYSTEMS.into_iter().map(pack).collect()
 }
 
 fn interface(model: Model, file: &RigFile, reals: bool) -> Interface {

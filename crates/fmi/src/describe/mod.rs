@@ -56,7 +56,7 @@ pub fn model_description(interface: &Interface, version: Version) -> String {
     }
 }
 
-pub use ssp::system_structure;
+pub use ssp::System;
 
 /// documentation/index.html.
 pub fn documentation(interface: &Interface, version: Version) -> String {

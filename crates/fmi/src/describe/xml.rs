@@ -18,6 +18,8 @@ pub type Attributes<'a> = &'a [(&'a str, Option<String>)];
 
 /// The preferred communication step, s.
 const STEP_SIZE: &str = "0.001";
+/// When this version's descriptions were changed last: the same sources give the same bytes.
+const DATE: &str = "2026-11-29T00:00:00Z";
 /// Long enough for the paper's manoeuvre, s.
 const STOP_TIME: &str = "12";
 
@@ -63,8 +65,10 @@ pub fn about(interface: &Interface) -> Vec<(&'static str, Option<String>)> {
         is("modelName", interface.model().identifier()),
         is("description", interface.description()),
         is("version", env!("CARGO_PKG_VERSION")),
+        is("author", "the authors of cable-robot"),
         is("license", env!("CARGO_PKG_LICENSE")),
         is("generationTool", concat!("cable-robot ", env!("CARGO_PKG_VERSION"))),
+        is("generationDateAndTime", DATE),
         is("variableNamingConvention", "structured"),
     ]
 }
