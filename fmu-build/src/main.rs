@@ -3,6 +3,7 @@
 mod check;
 mod demo;
 mod foreign;
+mod interop;
 mod library;
 mod modelica;
 mod pack;
@@ -43,9 +44,11 @@ enum Task {
     },
     /// Puts the Modelica package with its library into target/modelica
     Modelica,
+    /// Tries the FMUs in the tools of others, and writes docs/interop.md
+    Interop,
     /// Runs every check and every test
     Verify {
-        /// And what takes longer: all platforms
+        /// And what takes longer: all platforms, all tools of others
         #[arg(long)]
         all: bool,
     },
@@ -77,6 +80,10 @@ fn main() -> anyhow::Result<()> {
         Task::Demo { .. } => demo::run(Version::Fmi3),
         Task::Modelica => {
             println!("{}", modelica::build()?.display());
+            Ok(())
+        }
+        Task::Interop => {
+            println!("{} cells", interop::try_all(true)?);
             Ok(())
         }
         Task::Verify { all } => verify::verify(all),

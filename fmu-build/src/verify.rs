@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-use crate::{foreign, project_root, python};
+use crate::{foreign, interop, project_root, python};
 
 /// What became of one stage.
 struct Row {
@@ -51,7 +51,10 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 1] = [("platforms", |_| Ok(Outcome::Passed(foreign::compare()?)))];
+const LONGER: [Stage; 2] = [
+    ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
+    ("tools of others", |_| Ok(Outcome::Passed(interop::try_all(false)?))),
+];
 
 /// Runs every stage, also after a failure, and fails if one did.
 pub fn verify(all: bool) -> Result<()> {
