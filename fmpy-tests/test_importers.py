@@ -12,7 +12,7 @@ import pyssp_standard
 import pytest
 from lxml import etree
 
-from robot_fmu import Slave, cable_names, pose_names
+from robot_fmu import Slave, cable_names, fmu_path, pose_names
 
 HERE = Path(__file__).resolve().parent
 PROGRAM = HERE.parent / "target" / "debug" / "cable-robot"
@@ -45,6 +45,14 @@ def test_a_system_fits_the_schema_of_its_version(folder, system, schemas):
     for part, name in [(document, "Description"), (document.find(".//ssv:ParameterSet", names), "ParameterValues")]:
         schema = etree.XMLSchema(etree.parse(SCHEMAS / schemas / f"SystemStructure{name}.xsd"))
         assert schema.validate(etree.ElementTree(part)), schema.error_log
+
+
+def test_terminals_fit_the_schema(model):
+    with zipfile.ZipFile(fmu_path(3, model)) as archive:
+        document = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    schema = etree.XMLSchema(etree.parse(SCHEMAS / "fmi30" / "fmi3TerminalsAndIcons.xsd"))
+    assert schema.validate(document), schema.error_log
+    assert [terminal.get("name") for terminal in document[0]] == ["motors", "sensors"]
 
 
 def stepped_by_hand(folder, steps):

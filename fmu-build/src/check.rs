@@ -68,7 +68,7 @@ fn of_windows(library: &Path) -> Result<()> {
 }
 
 /// What a program of Debian's binutils writes.
-fn output(command: &mut Command) -> Result<String> {
+pub fn output(command: &mut Command) -> Result<String> {
     let output = command.output().with_context(|| format!("cannot start {:?}", command.get_program()))?;
     ensure!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).context("it writes no text")

@@ -1,8 +1,9 @@
 //! The FMUs and `cable-robot` of all platforms, run here: under Wine, under QEMU, and as they are.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use cable_robot_fmi::CO_SIMULATION;
@@ -10,7 +11,7 @@ use cable_robot_fmi::describe::VERSIONS;
 
 use crate::library::run;
 use crate::platforms::{LINKER, PLATFORMS, Platform, folder};
-use crate::{pack, project_root};
+use crate::{modelica, pack, project_root};
 
 /// The bundled scenarios, and a move of eight cables, which FMUs of the paper's rig cannot make.
 const SCENARIOS: [&str; 6] = ["paper", "experiment", "tour", "gust", "detour", "unreachable"];
@@ -57,7 +58,49 @@ pub fn compare() -> Result<usize> {
             }
         }
     }
-    Ok(compared)
+    modelica_under_wine()?;
+    Ok(compared + 1)
+}
+
+/// The C harness of the Modelica package, which prints bits, says the same with the library for Windows as with that for Linux.
+fn modelica_under_wine() -> Result<()> {
+    let (package, root) = (modelica::build_for_all()?, project_root());
+    let libraries = package.join("Resources/Library");
+    let source = root.join("fmpy-tests/modelica");
+    let compile = |compiler: &str, program: &Path, library: &str| {
+        let mut command = Command::new(compiler);
+        command.args(["-std=c11", "-D__USE_MINGW_ANSI_STDIO=1", "-I"]).arg(&source);
+        command.arg("-I").arg(package.join("Resources/Include")).arg(source.join("harness.c"));
+        command.arg("-o").arg(program).arg("-L").arg(libraries.join(library)).arg("-lCableRobot");
+        run(&mut command, &format!("building {}", program.display()))
+    };
+    let [native, foreign] = ["harness", "harness.exe"].map(|name| folder().join(name));
+    compile("gcc", &native, "linux64")?;
+    compile(LINKER, &foreign, "win64")?;
+    fs::copy(libraries.join("win64/CableRobot.dll"), folder().join("CableRobot.dll"))?;
+    // A quarter of a second of a move, planned by `Exact`.
+    let lines: String = (0..250)
+        .map(|k| {
+            let (time, x) = (f64::from(k) * 1e-3, f64::from(k) * 2e-4);
+            format!("{time} 0.001 {x} {x} 1 0 0 0 0.15 0.1 1 0 0 0\n")
+        })
+        .collect();
+    let answers = |target: &str, program: &Path| -> Result<Vec<u8>> {
+        let platform =
+            PLATFORMS.iter().find(|platform| platform.target == target).context("no such platform")?;
+        let mut command = launcher(platform, program)?;
+        command.args(["2", "3.0"]).env("LD_LIBRARY_PATH", libraries.join("linux64"));
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        child.stdin.take().context("no input")?.write_all(lines.as_bytes())?;
+        let output = child.wait_with_output()?;
+        ensure!(output.status.success(), "{} ended with {}", program.display(), output.status);
+        // Windows ends lines in its own way.
+        Ok(output.stdout.into_iter().filter(|byte| *byte != b'\r').collect())
+    };
+    let (wanted, found) =
+        (answers("x86_64-unknown-linux-gnu", &native)?, answers("x86_64-pc-windows-gnu", &foreign)?);
+    ensure!(!wanted.is_empty() && found == wanted, "the Modelica library for Windows gives other numbers");
+    Ok(())
 }
 
 /// The rows of a run, as CSV.

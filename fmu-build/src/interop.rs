@@ -23,8 +23,16 @@ const TOOLS: [(&str, Option<&str>); 8] = [
     ("gemseo_fmu_tool", Some("gemseo-fmu")),
 ];
 
-const ROWS: [&str; 7] =
-    ["reads", "steps", "closes the loop", "saves a state", "Model Exchange", "system", "system, closed"];
+const ROWS: [&str; 8] = [
+    "reads",
+    "steps",
+    "closes the loop",
+    "saves a state",
+    "Model Exchange",
+    "terminals",
+    "system",
+    "system, closed",
+];
 
 /// What a tool could do: of each row, and there of each version of FMI, `yes`, `–` or `no` and why.
 #[derive(Debug, Deserialize, Serialize)]
@@ -117,6 +125,7 @@ fn cell(of: &BTreeMap<String, String>) -> String {
     match (get("fmi2"), get("fmi3")) {
         (two, three) if two == three => two.to_owned(),
         (two, "–") => format!("FMI 2: {two}"),
+        ("–", three) => format!("FMI 3: {three}"),
         (two, three) => format!("FMI 2: {two}; FMI 3: {three}"),
     }
 }

@@ -43,7 +43,11 @@ enum Task {
         rate: Option<f64>,
     },
     /// Puts the Modelica package with its library into target/modelica
-    Modelica,
+    Modelica {
+        /// With libraries for x86_64 Linux (glibc 2.17) and Windows, into target/platforms/modelica; .ci/all installs what that takes
+        #[arg(long)]
+        all: bool,
+    },
     /// Tries the FMUs in the tools of others, and writes docs/interop.md
     Interop,
     /// Runs every check and every test
@@ -78,8 +82,9 @@ fn main() -> anyhow::Result<()> {
         Task::Demo { rig: true, minutes, rate, .. } => rig_demo::run(&rig_demo::Wishes { minutes, rate }),
         Task::Demo { fmi: 2, .. } => demo::run(Version::Fmi2),
         Task::Demo { .. } => demo::run(Version::Fmi3),
-        Task::Modelica => {
-            println!("{}", modelica::build()?.display());
+        Task::Modelica { all } => {
+            let package = if all { modelica::build_for_all()? } else { modelica::build()? };
+            println!("{}", package.display());
             Ok(())
         }
         Task::Interop => {

@@ -42,7 +42,7 @@ pub fn build_for_all() -> Result<Vec<PathBuf>> {
     let libraries = PLATFORMS
         .iter()
         .map(|platform| {
-            let library = platform.build_library(LIBRARY)?;
+            let library = platform.build_library(LIBRARY, "libcable_robot_fmi.so")?;
             check::of_platform(platform, &library).with_context(|| platform.target)?;
             Ok((platform, read(&library)?))
         })

@@ -56,16 +56,18 @@ impl Platform {
         self.library == ".dll"
     }
 
-    /// Builds the shared library of a package; its path.
-    pub fn build_library(&self, package: &str) -> Result<PathBuf> {
-        self.build(&["--package", package, "--lib", "--crate-type", "cdylib"])?;
+    /// Builds the shared library of a package, which programs linked against it will look for under `name`; its path.
+    pub fn build_library(&self, package: &str, name: &str) -> Result<PathBuf> {
+        let link = format!("link-arg=-Wl,-soname,{name}");
+        let link = if self.is_windows() { vec![] } else { vec!["-C", &link] };
+        self.build(&["--package", package, "--lib", "--crate-type", "cdylib"], &link)?;
         let prefix = if self.is_windows() { "" } else { "lib" };
         Ok(self.built(&format!("{prefix}{}{}", package.replace('-', "_"), self.library)))
     }
 
     /// Builds a program; its path.
     pub fn build_program(&self, package: &str, program: &str) -> Result<PathBuf> {
-        self.build(&["--package", package, "--bin", program])?;
+        self.build(&["--package", package, "--bin", program], &[])?;
         Ok(self.built(&format!("{program}{}", self.program)))
     }
 
@@ -73,7 +75,7 @@ impl Platform {
         folder().join(self.target).join("release").join(name)
     }
 
-    fn build(&self, what: &[&str]) -> Result<()> {
+    fn build(&self, what: &[&str], link: &[&str]) -> Result<()> {
         ensure!(Path::new(COMPILER).exists() && Path::new(SOURCES).exists(), DEBIAN);
         let root = project_root();
         let remapped = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.display());
@@ -104,6 +106,7 @@ impl Platform {
             .arg("--target-dir")
             .arg(folder())
             .args(["--", "-C", "strip=symbols"])
+            .args(link)
             .current_dir(root);
         library::run(&mut command, &format!("building for {}", self.target))
     }

@@ -1,4 +1,4 @@
-//! modelDescription.xml and the icon's place in FMI 3.0.
+//! modelDescription.xml and the terminals in FMI 3.0.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -27,17 +27,29 @@ pub fn model_description(interface: &Interface) -> String {
     })
 }
 
-/// terminalsAndIcons.xml: a square icon.
-pub fn icon_place() -> String {
-    let corners = [is("x1", -100), is("y1", -100), is("x2", 100), is("y2", 100)];
-    let mut system = corners.to_vec();
-    system.push(is("suggestedScalingFactorTo_mm", 0.1));
+/// What two wires carry between controller and plant: the names of the terminals and their rows.
+const TERMINALS: [(&str, &[&str]); 2] =
+    [("motors", &["motorTension"]), ("sensors", &["encoderPose", "cableLength", "measuredTension"])];
+
+/// terminalsAndIcons.xml. The icon is square and needs no place; fmucontainer looks for terminals in the first element alone.
+pub fn terminals(interface: &Interface) -> String {
     document(|xml| {
         node(xml, "fmiTerminalsAndIcons", &[is("fmiVersion", "3.0")], |xml| {
-            node(xml, "GraphicalRepresentation", &[], |xml| {
-                leaf(xml, "CoordinateSystem", &system)?;
-                leaf(xml, "Icon", &corners)
+            node(xml, "Terminals", &[], |xml| {
+                TERMINALS.into_iter().try_for_each(|(name, rows)| terminal(xml, interface, name, rows))
             })
+        })
+    })
+}
+
+fn terminal(xml: &mut Xml, interface: &Interface, name: &str, rows: &[&str]) -> io::Result<()> {
+    let kind = is("terminalKind", format!("cable-robot.{name}"));
+    node(xml, "Terminal", &[is("name", name), is("matchingRule", "plug"), kind], |xml| {
+        let members = interface.scalars().filter(|scalar| rows.contains(&scalar.row.name));
+        members.map(|scalar| scalar.name()).try_for_each(|name| {
+            let attributes =
+                [is("variableName", &name), is("memberName", &name), is("variableKind", "signal")];
+            leaf(xml, "TerminalMemberVariable", &attributes)
         })
     })
 }

@@ -77,7 +77,7 @@ pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Ve
         Version::Fmi3 => files.extend([
             ("terminalsAndIcons/icon.png", ICON.into()),
             ("terminalsAndIcons/icon.svg", ICON_DRAWING.into()),
-            ("terminalsAndIcons/terminalsAndIcons.xml", fmi3::icon_place().into_bytes()),
+            ("terminalsAndIcons/terminalsAndIcons.xml", fmi3::terminals(interface).into_bytes()),
         ]),
     }
     files.into_iter().map(|(path, content)| (path.to_owned(), content)).collect()

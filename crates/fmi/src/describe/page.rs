@@ -230,7 +230,7 @@ fn limits(model: Model) -> String {
         Use::ModelExchange => "Adjoint derivatives are not supported",
     };
     format!(
-        "<h2>Not tried</h2>\n<p>The FMUs are checked with FMPy on Linux. They were <strong>not</strong> tried with Dymola, Simulink or \
-         OpenModelica. {lacking}, as modelDescription.xml says.</p>"
+        "<h2>Not tried</h2>\n<p>The FMUs are tried in FMPy, ecospy, libcosimpy, fmu-manipulation-toolbox, pathsim-fmi, cofmupy and gemseo-fmu on \
+         Linux. They were <strong>not</strong> tried with Dymola, Simulink or OpenModelica. {lacking}, as modelDescription.xml says.</p>"
     )
 }
