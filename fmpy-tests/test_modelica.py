@@ -1,5 +1,7 @@
 """The Modelica package: its plant in a Modelica simulator against the plant FMU, its external functions called from C against the controller FMU."""
 
+import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -67,6 +69,42 @@ def test_the_plant_moves_as_the_plant_fmu(start, tmp_path):
     expected = np.array(expected).T
     assert np.abs(expected[:, -1] - expected[:, 0]).max() > 0.05, "it moves"
     assert np.abs(moved - expected).max() < 1e-9, np.abs(moved - expected).max(axis=1)
+
+
+def new_python() -> str | None:
+    """A Python of 3.12 or newer: on the path, or one of pyenv's."""
+    names = [shutil.which(f"python3.{minor}") for minor in (12, 13, 14)]
+    for python in [*names, *sorted(Path.home().glob(".pyenv/versions/3.1[2-9].*/bin/python"))]:
+        if python and subprocess.run([python, "-c", "import sys; assert sys.version_info >= (3, 12)"], capture_output=True).returncode == 0:
+            return str(python)
+    return None
+
+
+@pytest.mark.parametrize("start", STARTS, ids=["turned", "level"])
+def test_the_plants_equations_move_so_in_another_simulator(start, environment_of_modelica):
+    given = json.dumps({"folder": str(SOURCES / "Plants"), "initialPose": start, "motorTension": TENSION})
+    script = ROOT / "fmpy-tests" / "modelica" / "scalars.py"
+    done = subprocess.run([environment_of_modelica, script], input=given, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with Slave(fmu_path(3, "CableRobotPlant")) as slave:
+        slave.set(pose_names("initialPose"), start)
+        slave.set(cable_names("motorTension"), TENSION)
+        slave.initialize()
+        slave.step(1.0)
+        expected = slave.get(pose_names("encoderPose"))
+    assert np.abs(np.array(json.loads(done.stdout)) - expected).max() < 1e-9
+
+
+@pytest.fixture(scope="session")
+def environment_of_modelica(tmp_path_factory) -> Path:
+    python = new_python()
+    if python is None:
+        pytest.skip("not run: PyPI's modelica needs a Python of 3.12 or newer, and there is none")
+    environment = tmp_path_factory.mktemp("modelica")
+    subprocess.run([python, "-m", "venv", environment], check=True)
+    requirements = ROOT / "fmpy-tests" / "modelica" / "requirements.txt"
+    subprocess.run([environment / "bin/pip", "install", "--quiet", "--requirement", requirements], check=True)
+    return environment / "bin" / "python"
 
 
 @pytest.mark.parametrize("rig", ["paper", "eight"])
