@@ -48,6 +48,7 @@ pub fn try_all(write: bool) -> Result<usize> {
     let work = packed()?;
     let columns = TOOLS.iter().map(|(script, needs)| column(&folder, script, *needs, &work));
     let columns = columns.collect::<Result<Vec<_>>>()?;
+    refuse_others_too(&folder)?;
     let path = folder.join("expected.json");
     let expected: Vec<Column> = serde_json::from_str(&fs::read_to_string(&path)?)?;
     let lost: Vec<_> = expected.iter().flat_map(|before| lost(before, &columns)).collect();
@@ -92,6 +93,18 @@ fn column(folder: &Path, script: &str, needs: Option<&str>, work: &Path) -> Resu
     let text = String::from_utf8(output.stdout)?;
     let line = text.lines().last().with_context(|| format!("{script} wrote nothing"))?;
     serde_json::from_str(line).with_context(|| format!("{script} wrote {line}"))
+}
+
+/// ecospy and libcosimpy refuse our system with inputs and outputs; so they do one with an FMU that somebody else made, gemseo-fmu's.
+fn refuse_others_too(folder: &Path) -> Result<()> {
+    let packages = project_root().join("target/tools/gemseo-fmu/lib");
+    let version = fs::read_dir(&packages)?.next().context("no Python in the environment of gemseo-fmu")??;
+    let foreign = version.path().join("site-packages/gemseo_fmu/problems/fmu_files/linux/ramp.fmu");
+    let mut python = Command::new(project_root().join("target/python/bin/python"));
+    let output = python.arg(folder.join("foreign_system.py")).arg(foreign).output()?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "the systems of others are not refused as ours are:\n{said}");
+    Ok(())
 }
 
 /// What a tool could do, and now cannot.
