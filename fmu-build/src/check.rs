@@ -28,6 +28,9 @@ pub fn symbols(library: &Path) -> Result<()> {
     let taken = listed(library, "--undefined-only")?;
     let mathematics: Vec<_> = MATHEMATICS.into_iter().filter(|name| taken.contains(*name)).collect();
     ensure!(mathematics.is_empty(), "the library takes from the platform {}", mathematics.join(", "));
+    let root = project_root().display().to_string();
+    let bytes = fs::read(library)?;
+    ensure!(!bytes.windows(root.len()).any(|part| part == root.as_bytes()), "the library contains {root}");
     let standard = &declared("2.0", "FMI2_Export")? | &declared("3.0", "FMI3_Export")?;
     let list = |names: BTreeSet<String>| names.into_iter().collect::<Vec<_>>().join(", ");
     let (lacking, foreign) = (list(&standard - &exported), list(&exported - &standard));

@@ -10,19 +10,41 @@ use indicatif::ProgressBar;
 use crate::project_root;
 
 /// Builds the library of a package below `target` and returns its path. What the compiler says is shown only if it fails.
+///
+/// It has a folder of its own: everything in it is compiled with [`anonymous`] paths, the programs are not.
 pub fn build(package: &str, target: &Path) -> Result<PathBuf> {
+    let target = target.join("library");
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
     command
         .args(["rustc", "--release", "--package", package, "--lib", "--crate-type", "cdylib"])
         .arg("--target-dir")
-        .arg(target)
+        .arg(&target)
+        .env("CARGO_ENCODED_RUSTFLAGS", anonymous()?.join("\x1f"))
         .args(["--", "-C", "strip=symbols"])
         .current_dir(project_root());
     run(&mut command, "building the library")?;
     let name = package.replace('-', "_");
     let name = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(target.join("release").join(name))
+}
+
+/// Flags with which no path of this machine stands in what is compiled: in the texts of panics.
+pub fn anonymous() -> Result<Vec<String>> {
+    let remapped = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.display());
+    Ok(vec![
+        remapped(&cargo_home()?.join("registry/src"), "crates"),
+        remapped(&project_root(), "cable-robot"),
+    ])
+}
+
+/// Where cargo keeps the sources of crates.
+fn cargo_home() -> Result<PathBuf> {
+    let home = || Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo"));
+    std::env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(home)
+        .context("neither CARGO_HOME nor HOME is set")
 }
 
 /// Runs a compiler. What it says is shown only if it fails.

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 
 use crate::{library, project_root, python};
 
@@ -78,9 +78,7 @@ impl Platform {
     fn build(&self, what: &[&str], link: &[&str]) -> Result<()> {
         ensure!(Path::new(COMPILER).exists() && Path::new(SOURCES).exists(), DEBIAN);
         let root = project_root();
-        let remapped = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.display());
-        let mut flags =
-            vec![remapped(&cargo_home()?.join("registry/src"), "crates"), remapped(&root, "cable-robot")];
+        let mut flags = library::anonymous()?;
         let mut command = if self.is_windows() {
             // The time of linking is no part of it.
             flags.push("-Clink-arg=-Wl,--no-insert-timestamp".to_owned());
@@ -110,15 +108,6 @@ impl Platform {
             .current_dir(root);
         library::run(&mut command, &format!("building for {}", self.target))
     }
-}
-
-/// Where cargo keeps the sources of crates, which stand in the texts of panics.
-fn cargo_home() -> Result<PathBuf> {
-    let home = || Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo"));
-    std::env::var_os("CARGO_HOME")
-        .map(PathBuf::from)
-        .or_else(home)
-        .context("neither CARGO_HOME nor HOME is set")
 }
 
 /// Where it all goes.
