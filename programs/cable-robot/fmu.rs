@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
 use cable_robot_fmi::archive;
 use cable_robot_fmi::describe::{System, VERSIONS, Version};
+use cable_robot_fmi::models::Variant;
 use cable_robot_fmi::{CO_SIMULATION, Interface, MODELS, Model};
 use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
@@ -34,16 +35,28 @@ pub struct Fmu {
     /// Shows importers reals only, for those that know nothing else: Booleans as 0 or 1, enumerations as numbers
     #[arg(long)]
     reals: bool,
+    /// Shows importers of FMI 3 all that it has: arrays, Event Mode with a clock that ticks where the planner decides, steps that end there
+    #[arg(long, conflicts_with_all = ["reals", "ssp"])]
+    full: bool,
     /// Prints the paths for machines
     #[arg(long)]
     json: bool,
 }
 
 impl Fmu {
+    fn variant(&self) -> Variant {
+        match (self.reals, self.full) {
+            (true, _) => Variant::Reals,
+            (_, true) => Variant::Full,
+            _ => Variant::Scalars,
+        }
+    }
+
     pub fn run(&self) -> Result<Outcome> {
-        let mut paths = pack(&self.rig, self.reals, &self.output, &library_folder(self.library.as_deref())?)?;
+        let mut paths =
+            pack(&self.rig, self.variant(), &self.output, &library_folder(self.library.as_deref())?)?;
         if self.ssp {
-            paths.extend(pack_systems(&self.rig, self.reals, &self.output)?);
+            paths.extend(pack_systems(&self.rig, self.variant(), &self.output)?);
         }
         if self.json {
             print_json(&json!({ "fmus": paths }))?;
@@ -87,9 +100,9 @@ const SYSTEMS: [(&str, Version, bool); 3] = [
 ];
 
 /// Packs the FMUs in a folder as systems; their paths.
-fn pack_systems(rig: &Path, reals: bool, folder: &Path) -> Result<Vec<PathBuf>> {
+fn pack_systems(rig: &Path, variant: Variant, folder: &Path) -> Result<Vec<PathBuf>> {
     let file = read_rig(rig)?.1;
-    let [controller, plant] = CO_SIMULATION.map(|model| interface(model, &file, reals));
+    let [controller, plant] = CO_SIMULATION.map(|model| interface(model, &file, variant));
     let pack = |(name, fmi, is_closed): (&str, Version, bool)| {
         let system = System { controller: &controller, plant: &plant, fmi, is_closed, step: STEP };
         let mut files = archive::Files::new();
@@ -106,9 +119,13 @@ fn pack_systems(rig: &Path, reals: bool, folder: &Path) -> Result<Vec<PathBuf>> 
     SYSTEMS.into_iter().map(pack).collect()
 }
 
-fn interface(model: Model, file: &RigFile, reals: bool) -> Interface {
+fn interface(model: Model, file: &RigFile, variant: Variant) -> Interface {
     let interface = Interface::of_rig(model, file);
-    if reals { interface.with_reals_only() } else { interface }
+    match variant {
+        Variant::Scalars => interface,
+        Variant::Reals => interface.with_reals_only(),
+        Variant::Full => interface.with_everything(),
+    }
 }
 
 fn read_rig(path: &Path) -> Result<(String, RigFile)> {
@@ -117,8 +134,8 @@ fn read_rig(path: &Path) -> Result<(String, RigFile)> {
     Ok((text, file))
 }
 
-/// Packs all models in both versions for the rig of a file, with `reals` only if that is asked for; their paths.
-pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
+/// Packs all models in both versions for the rig of a file, in a variant; their paths. FMI 2 has neither arrays nor clocks.
+pub fn pack(rig: &Path, variant: Variant, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
     let (text, file) = read_rig(rig)?;
     let mut paths = vec![];
     for version in VERSIONS {
@@ -131,7 +148,11 @@ pub fn pack(rig: &Path, reals: bool, output: &Path, library: &Path) -> Result<Ve
                 "{} is of another version of cable-robot: its library would not know the rig",
                 from.display()
             );
-            let interface = interface(model, &file, reals);
+            let variant = match (version, variant) {
+                (Version::Fmi2, Variant::Full) => Variant::Scalars,
+                (_, variant) => variant,
+            };
+            let interface = interface(model, &file, variant);
             let path = path_of(output, model, version);
             archive::write(&path, &archive::contents(&interface, version, &libraries, Some(&text)))
                 .with_context(|| format!("cannot write {}", path.display()))?;

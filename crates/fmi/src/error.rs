@@ -90,7 +90,7 @@ impl FmiError {
             }
             Kind::Float64 => "a finite number".to_owned(),
             Kind::Int32 => "a whole number".to_owned(),
-            Kind::Boolean => "0 (false) or 1 (true)".to_owned(),
+            Kind::Boolean | Kind::Clock => "0 (false) or 1 (true)".to_owned(),
         };
         Self::BadValue { name: scalar.name(), value, allowed }
     }

@@ -1,5 +1,6 @@
 //! One instance of a model: its life, its values, its time. Knows nothing of C.
 
+mod events;
 mod exchange;
 
 use super::error::{FmiError, Status};
@@ -17,15 +18,24 @@ pub struct Instance {
     pub log: Log,
     /// All that get/setFMUState saves.
     now: Snapshot,
+    usage: Use,
+    /// Whether a step may end where the planner decides.
+    returns_early: bool,
     /// Whether it was said that a fixed parameter is written again and again.
     has_warned_of_repetition: bool,
 }
 
 impl Instance {
     /// An instance with all variables at their start values.
-    pub fn new(interface: Interface, log: Log) -> Self {
+    pub fn new(interface: Interface, usage: Use, may_return_early: bool, log: Log) -> Self {
         let now = Snapshot::new(&interface);
-        Self { interface, log, now, has_warned_of_repetition: false }
+        let returns_early = may_return_early && usage == Use::CoSimulationWithEvents;
+        Self { interface, log, now, usage, returns_early, has_warned_of_repetition: false }
+    }
+
+    /// What it is used for.
+    pub fn usage(&self) -> Use {
+        self.usage
     }
 
     /// Which model it is.
@@ -84,10 +94,11 @@ impl Instance {
     /// [`FmiError::Parameter`] naming the parameter that makes no sense.
     pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
         self.now.start(&self.interface)?;
-        self.now.state = match self.model().usage() {
+        self.now.state = match self.usage {
             Use::CoSimulation => State::StepMode,
-            Use::ModelExchange => State::EventMode,
+            Use::CoSimulationWithEvents | Use::ModelExchange => State::EventMode,
         };
+        self.set_clock();
         if let Some(warning) = self.interface.warning(&self.now.values) {
             self.log.send(Status::Ok, Category::Warning, &warning);
         }
@@ -107,6 +118,7 @@ impl Instance {
         let Some(mut running) = self.now.running.clone() else {
             return Err(FmiError::State("it is in Step Mode but was never initialised".to_owned()));
         };
+        let h = self.shortened(point, h);
         running.step(&self.interface, &self.now.values, point, h)?;
         let before = self.log.is_enabled(Category::Events).then(|| self.now.values.clone());
         running.write_outputs(&mut self.now.values);
@@ -120,6 +132,7 @@ impl Instance {
         }
         self.now.running = Some(running);
         self.now.set_time(point + h);
+        self.set_clock();
         if let Some(before) = before {
             self.report_changes(&before);
         }
@@ -178,6 +191,11 @@ impl Instance {
         if saved.model() != self.model() {
             let (theirs, ours) = (saved.model().identifier(), self.model().identifier());
             return Err(FmiError::State(format!("it was saved by {theirs}, this is {ours}")));
+        }
+        if saved.state == State::EventMode && self.usage == Use::CoSimulation {
+            return Err(FmiError::State(
+                "it was saved in Event Mode, which this instance does not use".to_owned(),
+            ));
         }
         self.now.clone_from(saved);
         Ok(())

@@ -64,15 +64,15 @@ pub enum Allowed {
     Always,
     /// In these states.
     In(&'static [State]),
-    /// The same, if the FMU is for this use.
-    For(Use, &'static [State]),
+    /// The same, if the instance is for one of these uses.
+    For(&'static [Use], &'static [State]),
     /// Never, for this reason.
     Never(&'static str),
 }
 
 use Allowed::{Always, For, In, Never};
 use State::{ContinuousTimeMode, Error, EventMode, Initialization, Instantiated, StepMode, Terminated};
-use Use::{CoSimulation, ModelExchange};
+use Use::{CoSimulation, CoSimulationWithEvents, ModelExchange};
 
 const ANY: Allowed =
     In(&[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
@@ -81,23 +81,29 @@ const SET_REAL: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode
 const GET_2: Allowed = In(&[Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
 const GET_3: Allowed = ANY;
 const RUNNING: Allowed = In(&[StepMode, EventMode, ContinuousTimeMode]);
-const STEPPING: Allowed = For(CoSimulation, &[StepMode]);
-const STATUS_2: Allowed = For(CoSimulation, &[StepMode, Terminated]);
-const IN_EVENT_MODE: Allowed = For(ModelExchange, &[EventMode]);
-const IN_CONTINUOUS_TIME: Allowed = For(ModelExchange, &[ContinuousTimeMode]);
-const IN_EITHER: Allowed = For(ModelExchange, &[EventMode, ContinuousTimeMode]);
+const STEPS: &[Use] = &[CoSimulation, CoSimulationWithEvents];
+const EVENTS: &[Use] = &[ModelExchange, CoSimulationWithEvents];
+const STEPPING: Allowed = For(STEPS, &[StepMode]);
+const STATUS_2: Allowed = For(STEPS, &[StepMode, Terminated]);
+const IN_EVENT_MODE: Allowed = For(EVENTS, &[EventMode]);
+const TO_EVENTS: Allowed = For(EVENTS, &[ContinuousTimeMode, StepMode]);
+const TO_STEPS: Allowed = For(&[CoSimulationWithEvents], &[EventMode]);
+const CLOCK: Allowed = For(&[CoSimulationWithEvents], &[Initialization, EventMode]);
+const TO_CONTINUOUS_TIME: Allowed = For(&[ModelExchange], &[EventMode]);
+const IN_CONTINUOUS_TIME: Allowed = For(&[ModelExchange], &[ContinuousTimeMode]);
+const IN_EITHER: Allowed = For(&[ModelExchange], &[EventMode, ContinuousTimeMode]);
 const OF_AN_INTEGRATOR: Allowed =
-    For(ModelExchange, &[Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
+    For(&[ModelExchange], &[Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
 const NUMBERS: Allowed =
-    For(ModelExchange, &[Instantiated, Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
+    For(&[ModelExchange], &[Instantiated, Initialization, EventMode, ContinuousTimeMode, Terminated, Error]);
 
 const NOT_SCHEDULED: Allowed = Never("this FMU is not for Scheduled Execution");
 const NO_DERIVATIVES: Allowed =
     Never("this FMU provides no such derivatives, as its modelDescription.xml says");
 const NO_DEPENDENCIES: Allowed = Never("the dependencies are in modelDescription.xml and never change");
-const NO_EVENTS: Allowed =
-    Never("this FMU has no Event Mode in co-simulation, as its modelDescription.xml says");
-const NO_CLOCKS: Allowed = Never("this FMU has no clocks");
+const NO_EVENTS: &str =
+    "it is instantiated without events, or the FMU has none, as its modelDescription.xml says";
+const NO_CLOCKS: Allowed = Never("this FMU has no clock that can be set, nor one of intervals");
 const NO_STRUCTURE: Allowed = Never("this FMU has no structural parameters");
 const NEVER_PENDING: Allowed = Never("a step is never pending: doStep returns when it is done");
 
@@ -143,7 +149,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi2GetRealOutputDerivatives", NO_DERIVATIVES),
     row("fmi2EnterEventMode", IN_CONTINUOUS_TIME),
     row("fmi2NewDiscreteStates", IN_EVENT_MODE),
-    row("fmi2EnterContinuousTimeMode", IN_EVENT_MODE),
+    row("fmi2EnterContinuousTimeMode", TO_CONTINUOUS_TIME),
     row("fmi2CompletedIntegratorStep", IN_CONTINUOUS_TIME),
     row("fmi2SetTime", IN_EITHER),
     row("fmi2SetContinuousStates", IN_CONTINUOUS_TIME),
@@ -195,8 +201,8 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SerializeFMUState", ANY),
     row("fmi3DeserializeFMUState", ANY),
     row("fmi3DoStep", STEPPING),
-    row("fmi3EnterStepMode", NO_EVENTS),
-    row("fmi3EnterEventMode", IN_CONTINUOUS_TIME),
+    row("fmi3EnterStepMode", TO_STEPS),
+    row("fmi3EnterEventMode", TO_EVENTS),
     row("fmi3EvaluateDiscreteStates", IN_EVENT_MODE),
     row("fmi3UpdateDiscreteStates", IN_EVENT_MODE),
     row("fmi3EnterConfigurationMode", NO_STRUCTURE),
@@ -206,7 +212,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3GetDirectionalDerivative", OF_AN_INTEGRATOR),
     row("fmi3GetAdjointDerivative", NO_DERIVATIVES),
     row("fmi3GetOutputDerivatives", NO_DERIVATIVES),
-    row("fmi3GetClock", NO_CLOCKS),
+    row("fmi3GetClock", CLOCK),
     row("fmi3SetClock", NO_CLOCKS),
     row("fmi3GetIntervalDecimal", NO_CLOCKS),
     row("fmi3GetIntervalFraction", NO_CLOCKS),
@@ -216,7 +222,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SetIntervalFraction", NO_CLOCKS),
     row("fmi3SetShiftDecimal", NO_CLOCKS),
     row("fmi3SetShiftFraction", NO_CLOCKS),
-    row("fmi3EnterContinuousTimeMode", IN_EVENT_MODE),
+    row("fmi3EnterContinuousTimeMode", TO_CONTINUOUS_TIME),
     row("fmi3CompletedIntegratorStep", IN_CONTINUOUS_TIME),
     row("fmi3SetTime", IN_EITHER),
     row("fmi3SetContinuousStates", IN_CONTINUOUS_TIME),
@@ -258,8 +264,10 @@ impl Function {
         match &self.allowed {
             Always => Ok(()),
             In(states) if states.contains(&state) => Ok(()),
-            For(wanted, _) if *wanted != usage => {
-                Err(FmiError::Unsupported { function: self.name, why: usage.refusal() })
+            For(wanted, _) if !wanted.contains(&usage) => {
+                let without_events = usage == CoSimulation && wanted.contains(&CoSimulationWithEvents);
+                let why = if without_events { NO_EVENTS } else { usage.refusal() };
+                Err(FmiError::Unsupported { function: self.name, why })
             }
             For(_, states) if states.contains(&state) => Ok(()),
             In(states) | For(_, states) => {

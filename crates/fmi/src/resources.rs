@@ -24,9 +24,10 @@ pub fn interface(token: &str, resources: Option<&Path>) -> Result<Interface, Fmi
     };
     let known = of_rig.unwrap_or_else(|| MODELS.map(Model::interface));
     let of_reals = known.each_ref().map(|interface| interface.clone().with_reals_only());
+    let full = known.each_ref().map(|interface| interface.clone().with_everything());
     let name = |interface: &Interface| format!("{} of {}", interface.token(), interface.model().identifier());
     let names = known.each_ref().map(name).join(", ");
-    let found = known.into_iter().chain(of_reals).find(|interface| interface.token() == token);
+    let found = known.into_iter().chain(of_reals).chain(full).find(|interface| interface.token() == token);
     found.ok_or_else(|| FmiError::Token { given: token.to_owned(), known: names })
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::FmiError;
 use super::lifecycle::State;
-use super::models::{Interface, Model, Running, Use};
+use super::models::{Interface, Model, Running, Use, Variant};
 use super::values::Values;
 use super::variables::{Causality, Kind, Row};
 
@@ -91,15 +91,16 @@ impl Snapshot {
             && self.values.fits(interface)
             && self.stop.is_none_or(f64::is_finite)
             && self.running.as_ref().is_none_or(|running| running.model() == self.model)
-            && self.state_belongs_to_use()
+            && self.state_belongs_to_use(interface)
             && (self.running.is_some()
                 || !matches!(self.state, State::StepMode | State::EventMode | State::ContinuousTimeMode))
             && self.enumerations_have_items(interface)
     }
 
-    fn state_belongs_to_use(&self) -> bool {
+    fn state_belongs_to_use(&self, interface: &Interface) -> bool {
         match self.state {
             State::StepMode => self.model.usage() == Use::CoSimulation,
+            State::EventMode if interface.variant() == Variant::Full => true,
             State::EventMode | State::ContinuousTimeMode => self.model.usage() == Use::ModelExchange,
             _ => true,
         }

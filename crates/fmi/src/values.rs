@@ -22,6 +22,13 @@ impl Values {
         Self { cables, numbers: vec![0.0; length] }
     }
 
+    /// The same values for a table with more rows; of those they are zero.
+    pub fn grown(&self, rows: &[&Row]) -> Self {
+        let mut grown = Self::zero(rows, self.cables);
+        grown.numbers[..self.numbers.len()].copy_from_slice(&self.numbers);
+        grown
+    }
+
     /// Whether this can be the values of an interface: the right number of them, and finite where they were set.
     pub fn fits(&self, interface: &Interface) -> bool {
         let set = |causality: Causality| causality != Causality::Output;
@@ -98,7 +105,7 @@ impl Values {
                 let item = kind.numbered().find(|(number, ..)| f64::from(*number) == value);
                 item.map_or_else(|| value.to_string(), |(_, name, _)| name.to_owned())
             }
-            Kind::Boolean => (value != 0.0).to_string(),
+            Kind::Boolean | Kind::Clock => (value != 0.0).to_string(),
             Kind::Float64 | Kind::Int32 => value.to_string(),
         }
     }

@@ -68,6 +68,8 @@ pub enum Kind {
     Int32,
     /// Stored as 0 or 1.
     Boolean,
+    /// FMI 3's Clock, triggered; stored as 1 where it ticks.
+    Clock,
     /// Numbers with names; FMI 3 reads them as Int64, FMI 2 as Integer.
     Enumeration(&'static Enumeration),
 }
@@ -266,6 +268,15 @@ impl Row {
         }
     }
 
+    /// Its dimensions as an array; none of a scalar.
+    pub fn dimensions(&self, cables: usize) -> Vec<usize> {
+        match self.shape {
+            Shape::Scalar => vec![],
+            Shape::CableVectors => vec![cables, 3],
+            _ => vec![self.count(cables)],
+        }
+    }
+
     /// Value reference of its scalar at `position`, counted from 0.
     pub fn reference(&self, position: usize) -> u32 {
         match self.shape {
@@ -347,6 +358,7 @@ impl Kind {
             Kind::Float64 => "Float64",
             Kind::Int32 => "Int32",
             Kind::Boolean => "Boolean",
+            Kind::Clock => "Clock",
             Kind::Enumeration(_) => "Enumeration",
         }
     }

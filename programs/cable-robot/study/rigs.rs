@@ -11,6 +11,7 @@ use cable_robot::robot::{Coordinates, Pose, RigFile};
 use cable_robot::sim::{ClosedLoop, Moment, PlantInputs};
 use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::Model;
+use cable_robot_fmi::models::Variant;
 use clap::{Args, ValueHint};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -127,7 +128,7 @@ impl Rigs {
 
     fn drive(&self, path: &Path, file: &RigFile, library: &Path, progress: &Progress) -> Result<Driven> {
         let folder = tempfile::tempdir()?;
-        pack(path, false, folder.path(), library)?;
+        pack(path, Variant::Scalars, folder.path(), library)?;
         let packed = |model: Model| folder.path().join("fmi3").join(model.identifier()).with_extension("fmu");
         let fmus = [Model::Controller, Model::Plant].map(packed);
         let slice = Slice { rig: &file.rig, height: file.home.0[2], angles: Vector3::zeros() };

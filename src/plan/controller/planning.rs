@@ -1,6 +1,6 @@
 //! What the controller decides at a tick of the planner: goal, gains and the next set point.
 
-use super::Controller;
+use super::{Controller, Mode};
 use crate::plan::aim::WORK;
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::prediction::{Motion, Prediction};
@@ -41,6 +41,12 @@ impl Controller {
         } else {
             self.outputs.pending = Pending::NotProved;
         }
+    }
+
+    /// When the planner decides next, s: at the first step that begins there or later. `None` while it plans nothing.
+    pub fn next_decision(&self) -> Option<f64> {
+        let next = self.started + self.ticks as f64 * self.planner.parameters.planner_period;
+        (self.mode == Mode::Active).then_some(next)
     }
 
     /// Fig. 4: every T_s the next set point, if there is one; a new goal is taken up at the next of these ticks.

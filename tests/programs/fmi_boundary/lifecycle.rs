@@ -2,6 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
+use cable_robot_fmi::abi::fmi3_values::fmi3GetClock;
 use cable_robot_fmi::abi::{
     fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3_exchange::*, fmi3_unsupported::*,
 };

@@ -99,7 +99,7 @@ pub fn instantiate(fmi: Fmi, usage: Use, token: &str, logging: bool, messages: &
             (Three, Use::ModelExchange) => {
                 fmi3InstantiateModelExchange(name, token.as_ptr(), place, false, logging, to, Some(log_3))
             }
-            (Three, Use::CoSimulation) => fmi3InstantiateCoSimulation(
+            (Three, Use::CoSimulation | Use::CoSimulationWithEvents) => fmi3InstantiateCoSimulation(
                 name,
                 token.as_ptr(),
                 place,

@@ -39,8 +39,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
     let asked_for = Ok(match fmuType == fmi2Type_fmi2CoSimulation {
-        true => Use::CoSimulation,
-        false => Use::ModelExchange,
+        true => (Use::CoSimulation, false),
+        false => (Use::ModelExchange, false),
     });
     // SAFETY: the importer keeps the standard: functions and strings are NULL or valid.
     unsafe {

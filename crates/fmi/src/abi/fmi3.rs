@@ -28,25 +28,20 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _visible: fmi3Boolean,
     loggingOn: fmi3Boolean,
     eventModeUsed: fmi3Boolean,
-    _earlyReturnAllowed: fmi3Boolean,
+    earlyReturnAllowed: fmi3Boolean,
     _requiredIntermediateVariables: *const fmi3ValueReference,
     _nRequiredIntermediateVariables: usize,
     instanceEnvironment: fmi3InstanceEnvironment,
     logMessage: fmi3LogMessageCallback,
     _intermediateUpdate: fmi3IntermediateUpdateCallback,
 ) -> fmi3Instance {
-    let why =
-        "eventModeUsed must be false: this FMU has no Event Mode (hasEventMode in modelDescription.xml)";
-    let asked_for = match eventModeUsed {
-        false => Ok(Use::CoSimulation),
-        true => Err(FmiError::Unsupported { function: "fmi3InstantiateCoSimulation", why }),
-    };
+    let usage = if eventModeUsed { Use::CoSimulationWithEvents } else { Use::CoSimulation };
     let log = Log::new(sink(logMessage, instanceEnvironment), loggingOn);
     // SAFETY: the importer keeps the standard.
     unsafe {
         let resources = text(resourcePath).map(PathBuf::from);
         let function = const { function("fmi3InstantiateCoSimulation") };
-        instantiate(function, log, asked_for, instantiationToken, resources)
+        instantiate(function, log, Ok((usage, earlyReturnAllowed)), instantiationToken, resources)
     }
 }
 
@@ -65,7 +60,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     unsafe {
         let resources = text(resourcePath).map(PathBuf::from);
         let function = const { function("fmi3InstantiateModelExchange") };
-        instantiate(function, log, Ok(Use::ModelExchange), instantiationToken, resources)
+        instantiate(function, log, Ok((Use::ModelExchange, false)), instantiationToken, resources)
     }
 }
 
@@ -198,10 +193,11 @@ pub unsafe extern "C" fn fmi3DoStep(
             let early = place(earlyReturn, "earlyReturn")?;
             let last = place(lastSuccessfulTime, "lastSuccessfulTime")?;
             let outcome = instance.step(currentCommunicationPoint, communicationStepSize);
-            event.write(false);
+            let time = instance.time();
+            event.write(instance.needs_event_mode());
             terminate.write(false);
-            early.write(false);
-            last.write(instance.time());
+            early.write(outcome.is_ok() && time < currentCommunicationPoint + communicationStepSize);
+            last.write(time);
             outcome
         })
     }

@@ -1,4 +1,4 @@
-//! FMI 3.0 Model Exchange.
+//! FMI 3.0: events, and Model Exchange.
 
 use super::exchange::{self, Direction};
 use super::{call, place};
@@ -11,6 +11,17 @@ pub unsafe extern "C" fn fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Statu
     unsafe {
         call(instance, const { function("fmi3EnterEventMode") }, |instance| {
             instance.enter_events();
+            Ok(())
+        })
+    }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the importer keeps the standard.
+    unsafe {
+        call(instance, const { function("fmi3EnterStepMode") }, |instance| {
+            instance.enter_steps();
             Ok(())
         })
     }

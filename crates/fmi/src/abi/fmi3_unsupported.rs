@@ -9,12 +9,6 @@ use crate::bindings::fmi3::{
 use crate::lifecycle::function;
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3EnterStepMode") }) }
-}
-
-#[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterConfigurationMode(instance: fmi3Instance) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3EnterConfigurationMode") }) }
@@ -77,17 +71,6 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3GetOutputDerivatives") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetClock(
-    instance: fmi3Instance,
-    _: *const fmi3ValueReference,
-    _: usize,
-    _: *mut fmi3Clock,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3GetClock") }) }
 }
 
 #[unsafe(no_mangle)]

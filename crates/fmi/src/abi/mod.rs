@@ -19,6 +19,7 @@ pub mod fmi3_values;
 mod signatures;
 mod states;
 
+use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,14 +29,14 @@ use super::error::{FmiError, Status};
 use super::instance::Instance;
 use super::lifecycle::Function;
 use super::log::{Category, Log};
-use super::models::Use;
+use super::models::{Interface, Use, Variant};
 use super::resources;
 use super::variables::Kind;
 
 /// What both versions return as status: an unsigned int with the numbers of [`Status`].
 type StatusCode = std::ffi::c_uint;
 
-/// Makes an instance of the model that has this token for the use asked for, or says why not and returns NULL. `resources` is the path of the FMU's
+/// Makes an instance of the model that has this token for the use asked for, whose steps may end early or not, or says why not and returns NULL. `resources` is the path of the FMU's
 /// resources, where the rig of an FMU for another rig than the paper's is.
 ///
 /// # Safety
@@ -43,30 +44,41 @@ type StatusCode = std::ffi::c_uint;
 unsafe fn instantiate(
     function: &'static Function,
     log: Log,
-    asked_for: Result<Use, FmiError>,
+    asked_for: Result<(Use, bool), FmiError>,
     token: *const c_char,
     resources: Option<PathBuf>,
 ) -> *mut c_void {
     let made = catch(function, || {
-        let asked_for = asked_for?;
+        let (usage, returns_early) = asked_for?;
         // SAFETY: the caller's promise.
         let given = unsafe { text(token) }.unwrap_or_default();
         let interface = resources::interface(&given, resources.as_deref())?;
-        let usage = interface.model().usage();
-        let why = usage.refusal();
-        if usage == asked_for {
-            Ok(interface)
-        } else {
-            Err(FmiError::Unsupported { function: function.name, why })
-        }
+        check_usage(function, &interface, usage)?;
+        Ok((interface, usage, returns_early))
     });
     match made {
-        Ok(interface) => Box::into_raw(Box::new(Instance::new(interface, log))).cast(),
+        Ok((interface, usage, returns_early)) => {
+            Box::into_raw(Box::new(Instance::new(interface, usage, returns_early, log))).cast()
+        }
         Err(error) => {
             log.send(Status::Error, Category::Error, &error.to_string());
             std::ptr::null_mut()
         }
     }
+}
+
+fn check_usage(function: &'static Function, interface: &Interface, wanted: Use) -> Result<(), FmiError> {
+    let why = match (interface.model().usage(), wanted) {
+        (usage, wanted) if usage == wanted => return Ok(()),
+        (Use::CoSimulation, Use::CoSimulationWithEvents) if interface.variant() == Variant::Full => {
+            return Ok(());
+        }
+        (Use::CoSimulation, Use::CoSimulationWithEvents) => {
+            "eventModeUsed must be false: this FMU has no Event Mode (hasEventMode in modelDescription.xml)"
+        }
+        (usage, _) => usage.refusal(),
+    };
+    Err(FmiError::Unsupported { function: function.name, why })
 }
 
 /// Frees an instance; NULL is ignored.
@@ -95,7 +107,7 @@ unsafe fn call(
         return Status::Error as StatusCode; // There is no logger to tell.
     };
     let outcome = catch(function, || {
-        function.check(instance.state(), instance.model().usage())?;
+        function.check(instance.state(), instance.usage())?;
         body(instance)
     });
     let Err(error) = outcome else { return Status::Ok as StatusCode };
@@ -139,6 +151,7 @@ unsafe fn get<T>(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's promise; the values are written only, so they need not be initialised.
         let (references, values) = unsafe { (slice(references, REFERENCES)?, slice_mut(values, VALUES)?) };
+        let references = &behind(instance, references);
         same_length(references.len(), values.len())?;
         instance.get(function, handles, references, |i, value| {
             values[i].write(convert(value));
@@ -163,6 +176,7 @@ unsafe fn set<T: Copy>(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's promise.
         let (references, values) = unsafe { (slice(references, REFERENCES)?, slice(values, VALUES)?) };
+        let references = &behind(instance, references);
         same_length(references.len(), values.len())?;
         instance.set(function, handles, references, |i| convert(values[i]))
     };
@@ -190,11 +204,24 @@ unsafe fn no_variables(
 const REFERENCES: &str = "the array of value references";
 const VALUES: &str = "the array of values";
 
-fn same_length(references: usize, values: usize) -> Result<(), FmiError> {
-    if references == values {
+/// The references of the scalars behind those from outside: other ones only where there are arrays. An unknown one stands for itself.
+fn behind<'a>(instance: &Instance, references: &'a [u32]) -> Cow<'a, [u32]> {
+    let interface = instance.interface();
+    if interface.variant() != Variant::Full {
+        return references.into();
+    }
+    let scalars = references.iter().flat_map(|&reference| match interface.scalars_behind(reference) {
+        scalars if scalars.is_empty() => vec![u32::MAX],
+        scalars => scalars,
+    });
+    scalars.collect::<Vec<_>>().into()
+}
+
+fn same_length(scalars: usize, values: usize) -> Result<(), FmiError> {
+    if scalars == values {
         return Ok(());
     }
-    let wanted = format!("{references}, the number of value references: all variables are scalars");
+    let wanted = format!("{scalars}, the number of scalars behind the value references");
     Err(FmiError::Length { argument: VALUES, given: values, wanted })
 }
 

@@ -1,15 +1,15 @@
 //! modelDescription.xml and the terminals in FMI 3.0.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 use super::xml::{
     Xml, about, categories_and_experiment, dependencies, document, enumerations, identity, is,
-    is_initial_unknown, items, leaf, measure, node, output_dependencies, range, state_of, units,
+    is_initial_unknown, items, leaf, measure, node, number, output_dependencies, range, state_of, units,
 };
 use crate::models::exchange::INDICATORS;
-use crate::models::{Interface, Scalar, Use};
-use crate::variables::{Causality, Kind};
+use crate::models::{Interface, Scalar, Use, Variant};
+use crate::variables::{Causality, Kind, Row};
 
 /// The XML of a model for a rig.
 pub fn model_description(interface: &Interface) -> String {
@@ -45,8 +45,11 @@ pub fn terminals(interface: &Interface) -> String {
 fn terminal(xml: &mut Xml, interface: &Interface, name: &str, rows: &[&str]) -> io::Result<()> {
     let kind = is("terminalKind", format!("cable-robot.{name}"));
     node(xml, "Terminal", &[is("name", name), is("matchingRule", "plug"), kind], |xml| {
+        let is_full = interface.variant() == Variant::Full;
         let members = interface.scalars().filter(|scalar| rows.contains(&scalar.row.name));
-        members.map(|scalar| scalar.name()).try_for_each(|name| {
+        let members = members.filter(|scalar| !is_full || scalar.position == 0);
+        let name = |scalar: Scalar| if is_full { scalar.row.name.to_owned() } else { scalar.name() };
+        members.map(name).try_for_each(|name| {
             let attributes =
                 [is("variableName", &name), is("memberName", &name), is("variableKind", "signal")];
             leaf(xml, "TerminalMemberVariable", &attributes)
@@ -69,6 +72,7 @@ fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         ];
         return leaf(xml, "ModelExchange", &attributes);
     }
+    let is_full = interface.variant() == Variant::Full;
     let attributes = [
         is("modelIdentifier", interface.model().identifier()),
         is("needsExecutionTool", false),
@@ -81,9 +85,9 @@ fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         is("canHandleVariableCommunicationStepSize", true),
         is("maxOutputDerivativeOrder", 0),
         is("providesIntermediateUpdate", false),
-        is("mightReturnEarlyFromDoStep", false),
+        is("mightReturnEarlyFromDoStep", is_full),
         is("canReturnEarlyAfterIntermediateUpdate", false),
-        is("hasEventMode", false),
+        is("hasEventMode", is_full),
     ];
     leaf(xml, "CoSimulation", &attributes)
 }
@@ -119,6 +123,9 @@ fn types(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
 
 fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     node(xml, "ModelVariables", &[], |xml| {
+        if interface.variant() == Variant::Full {
+            return interface.rows().iter().try_for_each(|row| array(xml, interface, row));
+        }
         interface.scalars().try_for_each(|scalar| {
             let kind = interface.kind(scalar.row);
             let declared = match kind {
@@ -138,10 +145,44 @@ fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     })
 }
 
+/// All scalars of a row as one variable. What has several units has none in it.
+fn array(xml: &mut Xml, interface: &Interface, row: &'static Row) -> io::Result<()> {
+    let scalars: Vec<Scalar> = interface.scalars_of(row).collect();
+    let kind = interface.kind(row);
+    let types: BTreeSet<_> = scalars.iter().map(type_name).collect();
+    let declared = match kind {
+        Kind::Enumeration(kind) => Some(kind.name.to_owned()),
+        _ if types.len() == 1 => type_name(&scalars[0]),
+        _ => None,
+    };
+    let starts = scalars.iter().filter_map(|scalar| interface.start_of(scalar));
+    let start = starts.map(|start| number(kind, start)).collect::<Vec<_>>().join(" ");
+    let mut attributes = identity(&scalars[0]);
+    attributes[0] = is("name", row.name);
+    if matches!(kind, Kind::Clock) {
+        attributes.retain(|(name, _)| !["initial", "variability"].contains(name));
+        attributes.push(is("intervalVariability", "triggered"));
+    }
+    attributes.push(("declaredType", declared));
+    let limits = range(interface, &scalars[0]);
+    attributes.extend(limits.into_iter().filter(|(name, _)| *name != "start"));
+    attributes.push(("start", (!start.is_empty()).then_some(start)));
+    let dimensions = row.dimensions(interface.cables());
+    if dimensions.is_empty() {
+        return leaf(xml, kind.name(), &attributes);
+    }
+    node(xml, kind.name(), &attributes, |xml| {
+        dimensions.iter().try_for_each(|size| leaf(xml, "Dimension", &[is("start", size)]))
+    })
+}
+
 /// Outputs of co-simulation change in a step only, so at a communication point they depend on nothing; at the start unknowns depend on what
 /// the table says.
 fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
-    let outputs = || interface.scalars().filter(|scalar| scalar.row.causality == Causality::Output);
+    let is_full = interface.variant() == Variant::Full;
+    // Of arrays the first scalar's reference.
+    let variables = || interface.scalars().filter(move |scalar| !is_full || scalar.position == 0);
+    let outputs = || variables().filter(|scalar| scalar.row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
         outputs().try_for_each(|Scalar { reference, .. }| {
             let reference = is("valueReference", reference);
@@ -150,12 +191,10 @@ fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         interface.scalars().filter(|scalar| state_of(scalar).is_some()).try_for_each(|scalar| {
             leaf(xml, "ContinuousStateDerivative", &[is("valueReference", scalar.reference)])
         })?;
-        interface.scalars().filter(is_initial_unknown).try_for_each(
-            |Scalar { row, reference, .. }| {
-                let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
-                leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
-            },
-        )?;
+        variables().filter(is_initial_unknown).try_for_each(|Scalar { row, reference, .. }| {
+            let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
+            leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
+        })?;
         let indicators = interface.rows().iter().filter(|row| row.first == INDICATORS.first);
         indicators.flat_map(|row| interface.scalars_of(row)).try_for_each(|Scalar { reference, .. }| {
             leaf(xml, "EventIndicator", &[is("valueReference", reference)])

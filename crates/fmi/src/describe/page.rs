@@ -4,7 +4,7 @@ use quick_xml::escape::escape;
 
 use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
-use crate::models::{Interface, Model, Scalar, Use};
+use crate::models::{Interface, Model, Scalar, Use, Variant};
 use crate::variables::{ABOVE_ZERO, Causality, Row};
 use cable_robot::robot::Rig;
 
@@ -79,7 +79,7 @@ fn first_steps(interface: &Interface) -> String {
 
 fn variables(interface: &Interface, version: Version) -> String {
     let (inputs, outputs) = match interface.model().usage() {
-        Use::CoSimulation => {
+        Use::CoSimulation | Use::CoSimulationWithEvents => {
             ("Held during a step.", "Known from Initialization Mode on; they change when a step ends.")
         }
         Use::ModelExchange => {
@@ -109,7 +109,8 @@ fn variables(interface: &Interface, version: Version) -> String {
 }
 
 fn table_row(interface: &Interface, version: Version, row: &'static Row) -> String {
-    let references: Vec<u32> = interface.scalars_of(row).map(|scalar| scalar.reference).collect();
+    let shown = if interface.variant() == Variant::Full { 1 } else { usize::MAX };
+    let references: Vec<u32> = interface.scalars_of(row).take(shown).map(|scalar| scalar.reference).collect();
     let runs = references.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
         [one] => one.to_string(),
         _ => format!("{} to {}", run[0], run[run.len() - 1]),
@@ -194,7 +195,7 @@ fn behaviour(model: Model) -> String {
         }
     };
     let steps = match model.usage() {
-        Use::CoSimulation => {
+        Use::CoSimulation | Use::CoSimulationWithEvents => {
             "Steps may vary in size. The start of a step is compared with the end of the last one with a tolerance, so that 0.1 + 0.2 counts as 0.3. "
         }
         Use::ModelExchange => "",
@@ -224,7 +225,7 @@ fn logging() -> String {
 
 fn limits(model: Model) -> String {
     let lacking = match model.usage() {
-        Use::CoSimulation => {
+        Use::CoSimulation | Use::CoSimulationWithEvents => {
             "Event Mode, directional derivatives and derivatives of inputs and outputs are not supported"
         }
         Use::ModelExchange => "Adjoint derivatives are not supported",

@@ -98,7 +98,7 @@ impl System<'_> {
     fn connector(&self, xml: &mut Xml, interface: &Interface, scalar: &Scalar, kind: &str) -> io::Result<()> {
         let of_type = match interface.kind(scalar.row) {
             // There as numbers, in variables of their own.
-            Kind::Enumeration(_) => return Ok(()),
+            Kind::Enumeration(_) | Kind::Clock => return Ok(()),
             kind => format!("ssc:{}", self.of_type(kind)),
         };
         node(xml, "ssd:Connector", &[is("name", scalar.name()), is("kind", kind)], |xml| {

@@ -13,13 +13,14 @@ impl Instance {
         self.now.state = State::ContinuousTimeMode;
     }
 
-    /// Continuous-Time Mode -> Event Mode.
+    /// Continuous-Time Mode or Step Mode -> Event Mode.
     pub fn enter_events(&mut self) {
         self.now.state = State::EventMode;
     }
 
-    /// Decides which cables are slack from now on.
+    /// Events are done: decides which cables are slack from now on.
     pub fn update_discrete_states(&mut self) {
+        self.stop_clock();
         self.refresh();
         let before = self.now.values.clone();
         let inputs = crate::models::plant::inputs(&before);

@@ -18,7 +18,7 @@ use nalgebra::Vector6;
 
 use parameters::*;
 use rows::*;
-pub use rows::{ROWS, rows_of};
+pub use rows::{PLANNER_TICK, ROWS, rows_of};
 
 /// Starts a controller with the parameters and inputs in `values`.
 pub fn start(interface: &Interface, values: &Values, time: f64) -> Result<Controller, ParameterError> {

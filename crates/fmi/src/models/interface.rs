@@ -22,9 +22,19 @@ pub struct Interface {
     start: Values,
     /// Row and position of each value reference.
     places: Vec<Option<(usize, usize)>>,
-    /// Whether importers are shown reals only.
-    is_real: bool,
+    variant: Variant,
     token: String,
+}
+
+/// How importers are shown the variables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// Scalars of all types.
+    Scalars,
+    /// Scalars, all of them real.
+    Reals,
+    /// What FMI 3 knows: arrays, and a clock.
+    Full,
 }
 
 /// A scalar of the table.
@@ -108,19 +118,52 @@ impl Interface {
         let of_rig = rig.map(|rig| format!("{name} {rig:?} {start:?}")).unwrap_or_default();
         let table = format!("{} {} {rows:?}{of_rig}", model.identifier(), env!("CARGO_PKG_VERSION"));
         let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string();
-        Self { model, rows, rig, name, cables, start, places, is_real: false, token }
+        Self { model, rows, rig, name, cables, start, places, variant: Variant::Scalars, token }
     }
 
     /// The same for importers that take every variable for a real: Booleans are 0 or 1, enumerations their numbers.
     #[must_use]
     pub fn with_reals_only(self) -> Self {
         let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, format!("{} in reals", self.token).as_bytes());
-        Self { is_real: true, token: token.to_string(), ..self }
+        Self { variant: Variant::Reals, token: token.to_string(), ..self }
+    }
+
+    /// The same for importers that know all of FMI 3: one array for all scalars of a row, and the controller's planner has a clock. The plant for Model
+    /// Exchange stays as it is.
+    #[must_use]
+    pub fn with_everything(mut self) -> Self {
+        if self.model == Model::PlantExchange {
+            return self;
+        }
+        if self.model == Model::Controller {
+            self.rows.push(&controller::PLANNER_TICK);
+        }
+        let start = self.start.grown(&self.rows);
+        let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, format!("{} in full", self.token).as_bytes());
+        let full = Self::new(self.model, self.rows, self.rig, self.name, start, self.cables);
+        Self { variant: Variant::Full, token: token.to_string(), ..full }
+    }
+
+    /// How importers are shown the variables.
+    pub fn variant(&self) -> Variant {
+        self.variant
+    }
+
+    /// The value references of the scalars that one from outside stands for; none if it is unknown.
+    pub fn scalars_behind(&self, reference: u32) -> Vec<u32> {
+        match self.scalar(reference) {
+            Some(Scalar { row, position: 0, .. }) if self.variant == Variant::Full => {
+                self.scalars_of(row).map(|scalar| scalar.reference).collect()
+            }
+            Some(_) if self.variant == Variant::Full => vec![],
+            Some(_) => vec![reference],
+            None => vec![],
+        }
     }
 
     /// The type that importers are shown of a row.
     pub fn kind(&self, row: &Row) -> Kind {
-        if self.is_real { Kind::Float64 } else { row.kind }
+        if self.variant == Variant::Reals { Kind::Float64 } else { row.kind }
     }
 
     /// Which model it is.

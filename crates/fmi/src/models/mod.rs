@@ -13,7 +13,7 @@ use super::values::Values;
 use cable_robot::plan::{Check, Controller, Fault};
 use cable_robot::sim::{ContinuousPlant, Plant};
 
-pub use interface::{Interface, Scalar};
+pub use interface::{Interface, Scalar, Variant};
 
 /// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +31,8 @@ pub enum Model {
 pub enum Use {
     /// It asks for steps.
     CoSimulation,
+    /// It asks for steps, and handles events between them (FMI 3).
+    CoSimulationWithEvents,
     /// It integrates the derivatives.
     ModelExchange,
 }
@@ -56,7 +58,9 @@ impl Use {
     /// Why what belongs to the other use is refused.
     pub fn refusal(self) -> &'static str {
         match self {
-            Use::CoSimulation => "this FMU has Co-Simulation only, not Model Exchange",
+            Use::CoSimulation | Use::CoSimulationWithEvents => {
+                "this FMU has Co-Simulation only, not Model Exchange"
+            }
             Use::ModelExchange => "this FMU has Model Exchange only, not Co-Simulation",
         }
     }
@@ -137,6 +141,12 @@ impl Running {
     pub fn late(&self) -> Option<[f64; 2]> {
         let Running::Controller(controller) = self else { return None };
         Some([controller.late()?, controller.parameters().command_delay])
+    }
+
+    /// When the planner decides next, s; not before the time reached. `None` for what plans nothing now.
+    pub fn next_decision(&self) -> Option<f64> {
+        let Running::Controller(controller) = self else { return None };
+        controller.next_decision()
     }
 
     /// The longest step that may be asked for with the inputs in `values`, s. A controller that is not enabled promises nothing.
@@ -309,7 +319,7 @@ mod tests {
         match row.kind {
             Kind::Float64 => vec![value * 1.001 + 1e-4, value - 1e-3, 0.3 * value, -value, 0.0, 20.0],
             Kind::Int32 => vec![value + 1.0],
-            Kind::Boolean => vec![1.0 - value],
+            Kind::Boolean | Kind::Clock => vec![1.0 - value],
             Kind::Enumeration(kind) => (1..=kind.items.len()).map(|item| item as f64).collect(),
         }
     }

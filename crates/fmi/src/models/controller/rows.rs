@@ -235,6 +235,20 @@ pub const PARAMETERS_PENDING: Row = Row {
     )
 };
 
+/// In FMUs that show all of FMI 3.
+pub const PLANNER_TICK: Row = Row {
+    kind: Kind::Clock,
+    variability: Variability::Discrete,
+    ..output(
+        700,
+        "plannerTick",
+        Shape::Scalar,
+        None,
+        &[],
+        "Ticks where the planner will decide in the step to come, with the inputs as they are then",
+    )
+};
+
 /// The table of the paper's rig.
 pub const ROWS: &[&Row] = &[
     &TIME,
