@@ -52,7 +52,7 @@ enum Task {
     Interop,
     /// Runs every check and every test
     Verify {
-        /// And what takes longer: all platforms, all tools of others
+        /// And what takes longer: memory, all platforms, all tools of others
         #[arg(long)]
         all: bool,
     },

@@ -51,7 +51,8 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 2] = [
+const LONGER: [Stage; 3] = [
+    ("C boundary, valgrind", under_valgrind),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
     ("tools of others", |_| Ok(Outcome::Passed(interop::try_all(false)?))),
 ];
@@ -135,6 +136,14 @@ fn tests_passed(line: &str) -> usize {
         }
     }
     0
+}
+
+/// The tests of the C functions in a machine that watches memory: nothing is read that was not written, nothing is lost.
+fn under_valgrind(root: &Path) -> Result<Outcome> {
+    const RUNNER: &str = "CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER=valgrind --quiet --error-exitcode=9 \
+                          --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
+    let test = ["cargo", "test", "--package", "cable-robot-programs", "--test", "fmi_boundary"];
+    run(root, "env", &[&[RUNNER], &test[..]].concat())
 }
 
 /// The generated bindings against the headers; libclang is the one thing that a user may lack, continuous integration may not.
