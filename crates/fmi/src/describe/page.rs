@@ -86,9 +86,15 @@ fn variables(interface: &Interface, version: Version) -> String {
             ("Functions of time, which may jump at events.", "Known from Initialization Mode on.")
         }
     };
+    let parameters = match interface.model() {
+        Model::Controller => {
+            "Checked when initialisation ends, and fixed from then on, but for gains, limits and tolerances (variability tunable): those may change between two steps, and act as soon as the motion under way is proved to go on with them (parametersPending). A length, a mass or a gain must be greater than 0."
+        }
+        Model::Plant | Model::PlantExchange => "Checked when initialisation ends, and fixed from then on.",
+    };
     let local = "States, their derivatives and the event indicators, for the integrator.";
     [
-        ("Parameters", Causality::Parameter, "Checked when initialisation ends, and fixed from then on, but for gains, limits and tolerances (variability tunable): those may change between two steps, and act as soon as the motion under way is proved to go on with them (parametersPending). A length, a mass or a gain must be greater than 0, also where the range begins with 0."),
+        ("Parameters", Causality::Parameter, parameters),
         ("Inputs", Causality::Input, inputs),
         ("Outputs", Causality::Output, outputs),
         ("Local variables", Causality::Local, local),

@@ -1,6 +1,7 @@
 from fmpy import simulate_fmu
 
-# The motors pull what holds the weight at (0, 0, 1), and something pushes to the side. CVode integrates.
+# The motors pull what holds the weight at (0, 0, 1), and something pushes to the side.
+# fmpy's CVode integrates.
 result = simulate_fmu(
     "CableRobotPlantME.fmu",
     stop_time=1.0,
