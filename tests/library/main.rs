@@ -15,6 +15,7 @@ mod held_commands;
 mod limits;
 mod margins;
 mod margins_of_any_rig;
+mod mathematics;
 mod paper_manoeuvre;
 mod properties;
 mod random_rigs;
