@@ -38,7 +38,14 @@ impl FmuModel {
     /// # Errors
     /// A file that is no FMU for this machine, is neither model, or has another number of cables than the rig.
     pub fn open(path: &Path, rig: &RigFile, log: LogCallback) -> Result<Self> {
-        let fmu = Fmu::open(path)?;
+        Self::of(&Fmu::open(path)?, path, rig, log)
+    }
+
+    /// The same of a file that is open already.
+    ///
+    /// # Errors
+    /// As [`FmuModel::open`].
+    pub fn of(fmu: &Fmu, path: &Path, rig: &RigFile, log: LogCallback) -> Result<Self> {
         let motor = fmu.description().variable("motorTension[1]").map(|variable| variable.causality);
         let (model, name) = match motor {
             Some(Causality::Output) => (Model::Controller, "controller"),
@@ -53,7 +60,7 @@ impl FmuModel {
         let beyond = fmu.description().variable(&format!("motorTension[{}]", cables + 1));
         ensure!(beyond.is_none(), "{} has more cables than the rig, which has {cables}", path.display());
         let instance = fmu.instantiate(name, log)?;
-        let interface = interface(model, &fmu, rig);
+        let interface = interface(model, fmu, rig);
         let values = interface.start().clone();
         let inputs = shared(&instance, &interface, Role::Input)?;
         let outputs = shared(&instance, &interface, Role::Output)?;

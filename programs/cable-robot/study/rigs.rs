@@ -12,6 +12,7 @@ use cable_robot::sim::{ClosedLoop, Moment, PlantInputs};
 use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::Model;
 use cable_robot_fmi::models::Variant;
+use cable_robot_import::Fmu;
 use clap::{Args, ValueHint};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -130,7 +131,11 @@ impl Rigs {
         let folder = tempfile::tempdir()?;
         pack(path, Variant::Scalars, folder.path(), library)?;
         let packed = |model: Model| folder.path().join("fmi3").join(model.identifier()).with_extension("fmu");
-        let fmus = [Model::Controller, Model::Plant].map(packed);
+        let open = |model| {
+            let path = packed(model);
+            Fmu::open(&path).map(|fmu| (path, fmu))
+        };
+        let fmus = [open(Model::Controller)?, open(Model::Plant)?];
         let slice = Slice { rig: &file.rig, height: file.home.0[2], angles: Vector3::zeros() };
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let (inside, outside) = goals(file, self.goals, &mut rng);
@@ -188,8 +193,8 @@ fn tick(file: &RigFile, goals: &[Pose]) -> f64 {
 }
 
 /// Controller and plant from home to the goal.
-fn run([controller, plant]: &[PathBuf; 2], file: &RigFile, goal: &Pose, inside: bool) -> Result<Run> {
-    let open = |path: &Path| FmuModel::open(path, file, Box::new(|_| {}));
+fn run([controller, plant]: &[(PathBuf, Fmu); 2], file: &RigFile, goal: &Pose, inside: bool) -> Result<Run> {
+    let open = |(path, fmu): &(PathBuf, Fmu)| FmuModel::of(fmu, path, file, Box::new(|_| {}));
     let outside = PlantInputs::none(file.rig.cables.len());
     let mut closed_loop = ClosedLoop::with_models(open(controller)?, open(plant)?, *goal, &outside)?;
     let (stop, mut margin) = (if inside { PATIENCE } else { SHORT }, f64::INFINITY);
