@@ -31,7 +31,7 @@ impl Values {
 
     /// Whether this can be the values of an interface: the right number of them, and finite where they were set.
     pub fn fits(&self, interface: &Interface) -> bool {
-        let set = |causality: Causality| causality != Causality::Output;
+        let set = |causality: Causality| !matches!(causality, Causality::Output | Causality::Local);
         (self.cables, self.numbers.len()) == (interface.cables(), interface.start().numbers.len())
             && interface
                 .scalars()

@@ -232,7 +232,12 @@ fn states_that_are_no_numbers_or_not_as_many_are_refused_and_named() {
         assert_eq!(slave.set_states(&no_rotation), OK);
         assert_eq!(slave.derivatives().0, DISCARD);
         assert!(slave.last_message().contains("der(state."), "{}", slave.last_message());
+        assert_eq!(slave.direction(&[OF_POSITION + 6], &[POSITION + 6], &[1.0]).0, DISCARD);
+        assert_eq!(slave.restore(&slave.save()), OK, "{}", slave.last_message());
         assert_eq!(slave.set_states(&good) + slave.derivatives().0, OK);
+        let other = Slave::integrating(fmi);
+        assert_eq!(other.direction(&[OF_POSITION], &[MOTOR], &[f64::INFINITY]).0, ERROR);
+        assert!(other.last_message().contains("motorTension[1] = inf"), "{}", other.last_message());
         assert_eq!(slave.set_states(&good[1..]), ERROR);
         assert!(slave.last_message().contains("right is 13"), "{}", slave.last_message());
     }

@@ -47,9 +47,8 @@ impl Instance {
     }
 
     fn is_due(&self) -> bool {
-        let period = self.next_decision().map(|next| next - self.time());
         // As the controller compares.
-        period.is_some_and(|left| left <= self.rounding())
+        self.next_decision().is_some_and(|next| next - self.time() <= self.rounding())
     }
 
     fn next_decision(&self) -> Option<f64> {

@@ -95,7 +95,7 @@ impl Instance {
     /// Hands to `give` by how much the `unknown` variables change when the `known` ones do by the `seed`.
     ///
     /// # Errors
-    /// Names the first variable that is none of those that may be asked for.
+    /// Names the first variable that is none of those that may be asked for, the first seed or the first result that is not finite.
     pub fn give_directional_derivative(
         &mut self,
         function: &'static Function,
@@ -123,12 +123,16 @@ impl Instance {
         if let Some(scalar) = unknown.iter().find(|scalar| !is_unknown(scalar)) {
             return Err(refused(scalar, "unknown: those are real outputs, derivatives and event indicators"));
         }
+        if let Some((scalar, seed)) = known.iter().zip(seed).find(|(_, seed)| !seed.is_finite()) {
+            return Err(FmiError::bad_value(scalar, *seed));
+        }
         self.ready(&unknown)?;
         let mut changes = self.now.values.clone();
         if let Some(plant) = self.plant() {
             exchange::vary(plant, &mut changes, &known, seed)
                 .map_err(|scalar| refused(&scalar, "known variable: those are states and real inputs"))?;
         }
+        check_finite(&unknown, |reference| changes.at(reference))?;
         unknown.iter().enumerate().for_each(|(i, scalar)| give(i, changes.at(scalar.reference)));
         Ok(())
     }
@@ -162,12 +166,7 @@ impl Instance {
         let scalars: Vec<Scalar> = self.interface.scalars_of_all(rows).collect();
         self.check_length(argument, length, scalars.len())?;
         self.ready(&scalars)?;
-        for scalar in &scalars {
-            let value = self.now.values.at(scalar.reference);
-            if !value.is_finite() {
-                return Err(FmiError::NotFinite { name: scalar.name(), value });
-            }
-        }
+        check_finite(&scalars, |reference| self.now.values.at(reference))?;
         scalars.iter().enumerate().for_each(|(i, scalar)| give(i, self.now.values.at(scalar.reference)));
         Ok(())
     }
@@ -177,5 +176,13 @@ impl Instance {
             return Ok(());
         }
         Err(FmiError::Length { argument, given, wanted: wanted.to_string() })
+    }
+}
+
+fn check_finite(scalars: &[Scalar], value_of: impl Fn(u32) -> f64) -> Result<(), FmiError> {
+    let values = scalars.iter().map(|scalar| (scalar, value_of(scalar.reference)));
+    match values.into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((scalar, value)) => Err(FmiError::NotFinite { name: scalar.name(), value }),
+        None => Ok(()),
     }
 }
