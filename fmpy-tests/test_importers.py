@@ -72,18 +72,42 @@ def stepped_by_hand(folder, steps):
         return list(plant.get(pose_names("encoderPose")))
 
 
+def edited(folder, name, what, to):
+    """The closed system with other numbers in its parameter set."""
+    path = folder / name
+    with zipfile.ZipFile(folder / "CableRobotClosed.ssp") as source, zipfile.ZipFile(path, "w") as target:
+        for entry in source.namelist():
+            content = source.read(entry)
+            if entry == "SystemStructure.ssd":
+                content, count = re.subn(what, to, content)
+                assert count > 0
+            target.writestr(entry, content)
+    return str(path)
+
+
 @pytest.fixture(scope="module")
 def system(folder):
-    """The closed system with another goal in its parameter set."""
-    path = folder / "Edited.ssp"
-    with zipfile.ZipFile(folder / "CableRobotClosed.ssp") as source, zipfile.ZipFile(path, "w") as target:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "SystemStructure.ssd":
-                content, count = re.subn(rb'(name="goalPose\.[xy]">\s*<ssv:Real value=)"0"', rb'\1"0.15"', content)
-                assert count == 2
-            target.writestr(name, content)
-    return str(path)
+    """The closed system with another goal."""
+    return edited(folder, "Edited.ssp", rb'(name="goalPose\.[xy]">\s*<ssv:Real value=)"0"', rb'\1"0.15"')
+
+
+ECOS = """
+from ecospy import EcosLib, EcosSimulation
+EcosLib.set_log_level("debug")
+with EcosSimulation(step_size=1e-3, ssp_path="{path}") as simulation:
+    simulation.init(parameter_set="start")
+"""
+LIBCOSIM = """
+from libcosimpy.CosimExecution import CosimExecution
+CosimExecution.from_ssp_file("{path}", 1_000_000).step()
+"""
+
+
+@pytest.mark.parametrize("script", [ECOS, LIBCOSIM], ids=["ecospy", "libcosimpy"])
+def test_a_wrong_parameter_in_a_system_is_named(folder, script):
+    path = edited(folder, "Wrong.ssp", rb'(name="commandDelay">\s*<ssv:Real value=)"0.001"', rb'\1"-1"')
+    done = subprocess.run([sys.executable, "-c", script.format(path=path)], capture_output=True, text=True)
+    assert "commandDelay = -1 is not allowed" in done.stdout + done.stderr
 
 
 def test_ecos_steps_the_closed_system_as_by_hand_bit_for_bit(folder, system):
