@@ -79,7 +79,7 @@ fn packed() -> Result<std::path::PathBuf> {
 
 fn column(folder: &Path, script: &str, needs: Option<&str>, work: &Path) -> Result<Column> {
     let environment = match needs {
-        None => python::environment(&project_root().join("fmpy-tests/requirements.txt"), "python")?,
+        None => python::of_tests()?,
         Some(name) => {
             let requirements = folder.join(format!("requirements/{name}.txt"));
             python::environment(&requirements, &format!("tools/{name}"))?
@@ -100,8 +100,8 @@ fn refuse_others_too(folder: &Path) -> Result<()> {
     let packages = project_root().join("target/tools/gemseo-fmu/lib");
     let version = fs::read_dir(&packages)?.next().context("no Python in the environment of gemseo-fmu")??;
     let foreign = version.path().join("site-packages/gemseo_fmu/problems/fmu_files/linux/ramp.fmu");
-    let mut python = Command::new(project_root().join("target/python/bin/python"));
-    let output = python.arg(folder.join("foreign_system.py")).arg(foreign).output()?;
+    let mut script = Command::new(python::of_tests()?.join("bin/python"));
+    let output = script.arg(folder.join("foreign_system.py")).arg(foreign).output()?;
     let said = String::from_utf8_lossy(&output.stderr);
     ensure!(output.status.success(), "the systems of others are not refused as ours are:\n{said}");
     Ok(())

@@ -22,6 +22,11 @@ pub fn environment(requirements: &Path, name: &str) -> Result<PathBuf> {
     Ok(environment)
 }
 
+/// The environment of the Python tests.
+pub fn of_tests() -> Result<PathBuf> {
+    environment(&project_root().join("fmpy-tests/requirements.txt"), "python")
+}
+
 fn run(command: &mut Command) -> Result<()> {
     let status = command.status().with_context(|| format!("cannot start {:?}", command.get_program()))?;
     ensure!(status.success(), "{command:?} ended with {status}");

@@ -191,7 +191,7 @@ fn built_twice(root: &Path) -> Result<Outcome> {
 
 /// pytest in an environment of its own.
 fn python_tests(root: &Path) -> Result<Outcome> {
-    let environment = python::environment(&root.join("fmpy-tests/requirements.txt"), "python")?;
+    let environment = python::of_tests()?;
     let python = environment.join("bin/python");
     run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests"])
 }

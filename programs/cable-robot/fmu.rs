@@ -120,12 +120,7 @@ fn pack_systems(rig: &Path, variant: Variant, folder: &Path) -> Result<Vec<PathB
 }
 
 fn interface(model: Model, file: &RigFile, variant: Variant) -> Interface {
-    let interface = Interface::of_rig(model, file);
-    match variant {
-        Variant::Scalars => interface,
-        Variant::Reals => interface.with_reals_only(),
-        Variant::Full => interface.with_everything(),
-    }
+    Interface::of_rig(model, file).shown_as(variant)
 }
 
 fn read_rig(path: &Path) -> Result<(String, RigFile)> {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::body::{self, Body, State};
-use super::plant::{FRICTION_TURNOVER, PlantInputs, PlantOutputs, PlantParameters};
+use super::plant::{PlantInputs, PlantOutputs, PlantParameters, held_back, pull_only};
 use super::variation::{self, Change, Point};
 use crate::robot::{Cables, ParameterError, PerCable, Pose};
 
@@ -85,9 +85,7 @@ impl ContinuousPlant {
             return inputs.motor_tension;
         }
         let rates = cables.length_rates(&body::twist(&self.state));
-        PerCable::from_fn(rates.len(), |i| {
-            inputs.motor_tension[i].max(0.0) + friction * libm::tanh(rates[i] / FRICTION_TURNOVER)
-        })
+        PerCable::from_fn(rates.len(), |i| pull_only(inputs.motor_tension[i]) + held_back(friction, rates[i]))
     }
 
     fn tension(&self, pull: &PerCable<f64>) -> PerCable<f64> {

@@ -256,7 +256,7 @@ impl Plant {
 }
 
 /// Cables cannot push: a negative command pulls with zero.
-fn pull_only(command: f64) -> f64 {
+pub(super) fn pull_only(command: f64) -> f64 {
     command.max(0.0)
 }
 
@@ -269,13 +269,16 @@ fn lagged(start: &PerCable<f64>, command: &PerCable<f64>, lag: f64, t: f64) -> P
     PerCable::from_fn(start.len(), |i| command[i] + (start[i] - command[i]) * left)
 }
 
+/// What friction adds to a cable's tension while its length changes at this rate (m/s), N.
+pub(super) fn held_back(friction: f64, rate: f64) -> f64 {
+    friction * libm::tanh(rate / FRICTION_TURNOVER)
+}
+
 /// What the platform feels of the motors' pull after friction, N.
 fn platform_tension(friction: f64, pull: &PerCable<f64>, cables: &Cables, state: &State) -> PerCable<f64> {
     if friction == 0.0 {
         return *pull;
     }
     let rates = cables.length_rates(&body::twist(state));
-    PerCable::from_fn(pull.len(), |i| {
-        pull_only(pull[i] + friction * libm::tanh(rates[i] / FRICTION_TURNOVER))
-    })
+    PerCable::from_fn(pull.len(), |i| pull_only(pull[i] + held_back(friction, rates[i])))
 }

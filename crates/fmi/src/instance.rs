@@ -3,6 +3,8 @@
 mod events;
 mod exchange;
 
+pub use exchange::Give;
+
 use super::error::{FmiError, Status};
 use super::lifecycle::{Function, State};
 use super::log::{Category, Log};

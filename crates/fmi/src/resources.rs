@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::FmiError;
-use super::models::{Interface, MODELS, Model};
+use super::models::{Interface, MODELS, Model, VARIANTS};
 use cable_robot::robot::RigFile;
 
 /// Name of the rig file in the resources.
@@ -23,12 +23,13 @@ pub fn interface(token: &str, resources: Option<&Path>) -> Result<Interface, Fmi
         None => None,
     };
     let known = of_rig.unwrap_or_else(|| MODELS.map(Model::interface));
-    let of_reals = known.each_ref().map(|interface| interface.clone().with_reals_only());
-    let full = known.each_ref().map(|interface| interface.clone().with_everything());
     let name = |interface: &Interface| format!("{} of {}", interface.token(), interface.model().identifier());
-    let names = known.each_ref().map(name).join(", ");
-    let found = known.into_iter().chain(of_reals).chain(full).find(|interface| interface.token() == token);
-    found.ok_or_else(|| FmiError::Token { given: token.to_owned(), known: names })
+    let shown = |variant| known.iter().map(move |interface| interface.clone().shown_as(variant));
+    let found = VARIANTS.into_iter().flat_map(shown).find(|interface| interface.token() == token);
+    found.ok_or_else(|| FmiError::Token {
+        given: token.to_owned(),
+        known: known.each_ref().map(name).join(", "),
+    })
 }
 
 fn read(path: &Path) -> Result<RigFile, String> {

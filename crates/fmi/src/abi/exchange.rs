@@ -4,10 +4,8 @@ use std::ffi::c_void;
 
 use super::{REFERENCES, StatusCode, call, same_length, slice, slice_mut};
 use crate::error::FmiError;
-use crate::instance::Instance;
+use crate::instance::{Give, Instance};
 use crate::lifecycle::Function;
-
-type Give<'a> = &'a mut dyn FnMut(usize, f64);
 
 /// Fills an array of C with what the instance has for it.
 ///
@@ -74,33 +72,4 @@ pub unsafe fn directional_derivative(
             })
         })
     }
-}
-
-/// The magnitudes of the states: one each, in SI units.
-pub fn nominals(instance: &mut Instance, length: usize, give: Give) -> Result<(), FmiError> {
-    let wanted = instance.number_of_states();
-    if length != wanted {
-        return Err(FmiError::Length {
-            argument: "the array of nominals",
-            given: length,
-            wanted: wanted.to_string(),
-        });
-    }
-    (0..length).for_each(|i| give(i, 1.0));
-    Ok(())
-}
-
-/// See [`Instance::give_states`].
-pub fn states(instance: &mut Instance, length: usize, give: Give) -> Result<(), FmiError> {
-    instance.give_states(length, give)
-}
-
-/// See [`Instance::give_derivatives`].
-pub fn derivatives(instance: &mut Instance, length: usize, give: Give) -> Result<(), FmiError> {
-    instance.give_derivatives(length, give)
-}
-
-/// See [`Instance::give_indicators`].
-pub fn indicators(instance: &mut Instance, length: usize, give: Give) -> Result<(), FmiError> {
-    instance.give_indicators(length, give)
 }

@@ -5,6 +5,7 @@ use super::{call, place};
 use crate::bindings::fmi2::{
     fmi2Boolean, fmi2Component, fmi2EventInfo, fmi2False, fmi2Real, fmi2Status, fmi2ValueReference,
 };
+use crate::instance::Instance;
 use crate::lifecycle::function;
 
 #[unsafe(no_mangle)]
@@ -89,19 +90,21 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDerivatives(c: fmi2Component, x: *mut fmi2Real, n: usize) -> fmi2Status {
     // SAFETY: the importer keeps the standard.
-    unsafe { exchange::fill(c, const { function("fmi2GetDerivatives") }, (x, n), exchange::derivatives) }
+    unsafe { exchange::fill(c, const { function("fmi2GetDerivatives") }, (x, n), Instance::give_derivatives) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetEventIndicators(c: fmi2Component, x: *mut fmi2Real, n: usize) -> fmi2Status {
     // SAFETY: the importer keeps the standard.
-    unsafe { exchange::fill(c, const { function("fmi2GetEventIndicators") }, (x, n), exchange::indicators) }
+    unsafe {
+        exchange::fill(c, const { function("fmi2GetEventIndicators") }, (x, n), Instance::give_indicators)
+    }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetContinuousStates(c: fmi2Component, x: *mut fmi2Real, n: usize) -> fmi2Status {
     // SAFETY: the importer keeps the standard.
-    unsafe { exchange::fill(c, const { function("fmi2GetContinuousStates") }, (x, n), exchange::states) }
+    unsafe { exchange::fill(c, const { function("fmi2GetContinuousStates") }, (x, n), Instance::give_states) }
 }
 
 #[unsafe(no_mangle)]
@@ -112,7 +115,12 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
 ) -> fmi2Status {
     // SAFETY: the importer keeps the standard.
     unsafe {
-        exchange::fill(c, const { function("fmi2GetNominalsOfContinuousStates") }, (x, n), exchange::nominals)
+        exchange::fill(
+            c,
+            const { function("fmi2GetNominalsOfContinuousStates") },
+            (x, n),
+            Instance::give_nominals,
+        )
     }
 }
 

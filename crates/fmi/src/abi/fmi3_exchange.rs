@@ -3,6 +3,7 @@
 use super::exchange::{self, Direction};
 use super::{call, place};
 use crate::bindings::fmi3::{fmi3Boolean, fmi3Float64, fmi3Instance, fmi3Status, fmi3ValueReference};
+use crate::instance::Instance;
 use crate::lifecycle::function;
 
 #[unsafe(no_mangle)]
@@ -124,7 +125,7 @@ pub unsafe extern "C" fn fmi3GetContinuousStateDerivatives(
             instance,
             const { function("fmi3GetContinuousStateDerivatives") },
             (x, n),
-            exchange::derivatives,
+            Instance::give_derivatives,
         )
     }
 }
@@ -137,7 +138,12 @@ pub unsafe extern "C" fn fmi3GetEventIndicators(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe {
-        exchange::fill(instance, const { function("fmi3GetEventIndicators") }, (x, n), exchange::indicators)
+        exchange::fill(
+            instance,
+            const { function("fmi3GetEventIndicators") },
+            (x, n),
+            Instance::give_indicators,
+        )
     }
 }
 
@@ -149,7 +155,7 @@ pub unsafe extern "C" fn fmi3GetContinuousStates(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe {
-        exchange::fill(instance, const { function("fmi3GetContinuousStates") }, (x, n), exchange::states)
+        exchange::fill(instance, const { function("fmi3GetContinuousStates") }, (x, n), Instance::give_states)
     }
 }
 
@@ -165,7 +171,7 @@ pub unsafe extern "C" fn fmi3GetNominalsOfContinuousStates(
             instance,
             const { function("fmi3GetNominalsOfContinuousStates") },
             (x, n),
-            exchange::nominals,
+            Instance::give_nominals,
         )
     }
 }

@@ -203,18 +203,23 @@ unsafe fn no_variables(
 
 const REFERENCES: &str = "the array of value references";
 const VALUES: &str = "the array of values";
+/// A value reference that no variable has.
+const UNKNOWN: u32 = u32::MAX;
 
-/// The references of the scalars behind those from outside: other ones only where there are arrays. An unknown one stands for itself.
+/// The references of the scalars behind those from outside: other ones only where there are arrays. What importers are not shown is unknown.
 fn behind<'a>(instance: &Instance, references: &'a [u32]) -> Cow<'a, [u32]> {
     let interface = instance.interface();
     if interface.variant() != Variant::Full {
         return references.into();
     }
-    let scalars = references.iter().flat_map(|&reference| match interface.scalars_behind(reference) {
-        scalars if scalars.is_empty() => vec![u32::MAX],
-        scalars => scalars,
-    });
-    scalars.collect::<Vec<_>>().into()
+    let mut scalars = vec![];
+    for &reference in references {
+        match interface.scalar(reference).filter(|scalar| interface.is_shown(scalar)) {
+            Some(array) => scalars.extend(interface.scalars_of(array.row).map(|scalar| scalar.reference)),
+            None => scalars.push(UNKNOWN),
+        }
+    }
+    scalars.into()
 }
 
 fn same_length(scalars: usize, values: usize) -> Result<(), FmiError> {

@@ -47,7 +47,7 @@ fn terminal(xml: &mut Xml, interface: &Interface, name: &str, rows: &[&str]) -> 
     node(xml, "Terminal", &[is("name", name), is("matchingRule", "plug"), kind], |xml| {
         let is_full = interface.variant() == Variant::Full;
         let members = interface.scalars().filter(|scalar| rows.contains(&scalar.row.name));
-        let members = members.filter(|scalar| !is_full || scalar.position == 0);
+        let members = members.filter(|scalar| interface.is_shown(scalar));
         let name = |scalar: Scalar| if is_full { scalar.row.name.to_owned() } else { scalar.name() };
         members.map(name).try_for_each(|name| {
             let attributes =
@@ -179,9 +179,7 @@ fn array(xml: &mut Xml, interface: &Interface, row: &'static Row) -> io::Result<
 /// Outputs of co-simulation change in a step only, so at a communication point they depend on nothing; at the start unknowns depend on what
 /// the table says.
 fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
-    let is_full = interface.variant() == Variant::Full;
-    // Of arrays the first scalar's reference.
-    let variables = || interface.scalars().filter(move |scalar| !is_full || scalar.position == 0);
+    let variables = || interface.scalars().filter(|scalar| interface.is_shown(scalar));
     let outputs = || variables().filter(|scalar| scalar.row.causality == Causality::Output);
     node(xml, "ModelStructure", &[], |xml| {
         outputs().try_for_each(|Scalar { reference, .. }| {

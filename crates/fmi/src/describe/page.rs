@@ -4,7 +4,7 @@ use quick_xml::escape::escape;
 
 use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
-use crate::models::{Interface, Model, Scalar, Use, Variant};
+use crate::models::{Interface, Model, Scalar, Use};
 use crate::variables::{ABOVE_ZERO, Causality, Row};
 use cable_robot::robot::Rig;
 
@@ -115,8 +115,8 @@ fn variables(interface: &Interface, version: Version) -> String {
 }
 
 fn table_row(interface: &Interface, version: Version, row: &'static Row) -> String {
-    let shown = if interface.variant() == Variant::Full { 1 } else { usize::MAX };
-    let references: Vec<u32> = interface.scalars_of(row).take(shown).map(|scalar| scalar.reference).collect();
+    let shown = interface.scalars_of(row).filter(|scalar| interface.is_shown(scalar));
+    let references: Vec<u32> = shown.map(|scalar| scalar.reference).collect();
     let runs = references.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
         [one] => one.to_string(),
         _ => format!("{} to {}", run[0], run[run.len() - 1]),

@@ -7,7 +7,7 @@ use quick_xml::events::{BytesDecl, Event};
 
 use crate::log::CATEGORIES;
 use crate::models::exchange::STATES;
-use crate::models::{Interface, Scalar, Use, Variant};
+use crate::models::{Interface, Scalar, Use};
 use crate::variables::{ABOVE_ZERO, Causality, Enumeration, Kind, Row, Unit};
 
 /// Where elements go.
@@ -191,9 +191,8 @@ pub fn output_dependencies(interface: &Interface) -> Option<String> {
 
 /// The scalars that an output depends on at the start, as `number_of` counts them, in ascending order.
 pub fn dependencies(interface: &Interface, row: &'static Row, number_of: impl Fn(u32) -> usize) -> String {
-    let is_full = interface.variant() == Variant::Full;
     let known = interface.dependencies(row).flat_map(|known| interface.scalars_of(known));
-    let known = known.filter(|scalar| !is_full || scalar.position == 0);
+    let known = known.filter(|scalar| interface.is_shown(scalar));
     let mut numbers: Vec<usize> = known.map(|scalar| number_of(scalar.reference)).collect();
     numbers.sort_unstable();
     numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")

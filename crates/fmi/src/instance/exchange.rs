@@ -7,6 +7,9 @@ use crate::models::{Running, Scalar, exchange};
 use crate::variables::{Causality, Row};
 use cable_robot::sim::ContinuousPlant;
 
+/// Where numbers go, with their positions.
+pub type Give<'a> = &'a mut dyn FnMut(usize, f64);
+
 impl Instance {
     /// Event Mode -> Continuous-Time Mode.
     pub fn enter_continuous_time(&mut self) {
@@ -68,11 +71,21 @@ impl Instance {
         Ok(())
     }
 
+    /// Hands the magnitudes of the states to `give`: one each, in SI units.
+    ///
+    /// # Errors
+    /// The right number of them, for another.
+    pub fn give_nominals(&mut self, length: usize, give: Give) -> Result<(), FmiError> {
+        self.check_length("the array of nominals", length, self.number_of_states())?;
+        (0..length).for_each(|i| give(i, 1.0));
+        Ok(())
+    }
+
     /// Hands the states to `give`, with their positions.
     ///
     /// # Errors
     /// The right number of them, for another.
-    pub fn give_states(&mut self, length: usize, give: impl FnMut(usize, f64)) -> Result<(), FmiError> {
+    pub fn give_states(&mut self, length: usize, give: Give) -> Result<(), FmiError> {
         self.give_rows("the array of states", exchange::STATES.map(|(state, _)| state), length, give)
     }
 
@@ -80,7 +93,7 @@ impl Instance {
     ///
     /// # Errors
     /// The right number of them, and names the first that is not finite.
-    pub fn give_derivatives(&mut self, length: usize, give: impl FnMut(usize, f64)) -> Result<(), FmiError> {
+    pub fn give_derivatives(&mut self, length: usize, give: Give) -> Result<(), FmiError> {
         self.give_rows("the array of derivatives", exchange::STATES.map(|(_, rate)| rate), length, give)
     }
 
@@ -88,7 +101,7 @@ impl Instance {
     ///
     /// # Errors
     /// The right number of them, for another.
-    pub fn give_indicators(&mut self, length: usize, give: impl FnMut(usize, f64)) -> Result<(), FmiError> {
+    pub fn give_indicators(&mut self, length: usize, give: Give) -> Result<(), FmiError> {
         self.give_rows("the array of event indicators", [exchange::INDICATORS], length, give)
     }
 
@@ -161,7 +174,7 @@ impl Instance {
         argument: &'static str,
         rows: [&'static Row; N],
         length: usize,
-        mut give: impl FnMut(usize, f64),
+        give: Give,
     ) -> Result<(), FmiError> {
         let scalars: Vec<Scalar> = self.interface.scalars_of_all(rows).collect();
         self.check_length(argument, length, scalars.len())?;

@@ -169,8 +169,11 @@ fn write_state(state: &State, values: &mut Values, of: fn((&'static Row, &'stati
     }
 }
 
-/// By how much the variables change when the `known` ones, states and real inputs, do by the `seed`; `None` for another known variable. Written where
-/// the variables themselves stand in `values`.
+/// By how much the variables change when the `known` ones, states and real inputs, do by the `seed`. Written where the variables themselves stand in
+/// `values`.
+///
+/// # Errors
+/// The first known variable that is neither.
 pub fn vary(
     plant: &ContinuousPlant,
     values: &mut Values,
@@ -185,7 +188,6 @@ pub fn vary(
     }
     let Effect { derivative, pull, outputs } = plant.vary(&at, &by);
     write_outputs(&outputs, values);
-    write_state(&by.state, values, |(state, _)| state);
     write_state(&derivative, values, |(_, rate)| rate);
     values.write(&PULL, pull);
     Ok(())

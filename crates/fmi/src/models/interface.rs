@@ -37,6 +37,9 @@ pub enum Variant {
     Full,
 }
 
+/// All of them.
+pub const VARIANTS: [Variant; 3] = [Variant::Scalars, Variant::Reals, Variant::Full];
+
 /// A scalar of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Scalar {
@@ -121,17 +124,25 @@ impl Interface {
         Self { model, rows, rig, name, cables, start, places, variant: Variant::Scalars, token }
     }
 
-    /// The same for importers that take every variable for a real: Booleans are 0 or 1, enumerations their numbers.
+    /// The same, shown to importers otherwise.
     #[must_use]
-    pub fn with_reals_only(self) -> Self {
+    pub fn shown_as(self, variant: Variant) -> Self {
+        match variant {
+            Variant::Scalars => self,
+            Variant::Reals => self.with_reals_only(),
+            Variant::Full => self.with_everything(),
+        }
+    }
+
+    /// The same for importers that take every variable for a real: Booleans are 0 or 1, enumerations their numbers.
+    fn with_reals_only(self) -> Self {
         let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, format!("{} in reals", self.token).as_bytes());
         Self { variant: Variant::Reals, token: token.to_string(), ..self }
     }
 
     /// The same for importers that know all of FMI 3: one array for all scalars of a row, and the controller's planner has a clock. The plant for Model
     /// Exchange stays as it is.
-    #[must_use]
-    pub fn with_everything(mut self) -> Self {
+    fn with_everything(mut self) -> Self {
         if self.model == Model::PlantExchange {
             return self;
         }
@@ -149,16 +160,9 @@ impl Interface {
         self.variant
     }
 
-    /// The value references of the scalars that one from outside stands for; none if it is unknown.
-    pub fn scalars_behind(&self, reference: u32) -> Vec<u32> {
-        match self.scalar(reference) {
-            Some(Scalar { row, position: 0, .. }) if self.variant == Variant::Full => {
-                self.scalars_of(row).map(|scalar| scalar.reference).collect()
-            }
-            Some(_) if self.variant == Variant::Full => vec![],
-            Some(_) => vec![reference],
-            None => vec![],
-        }
+    /// Whether importers know a scalar by its value reference: of an array they know the first.
+    pub fn is_shown(&self, scalar: &Scalar) -> bool {
+        self.variant != Variant::Full || scalar.position == 0
     }
 
     /// The type that importers are shown of a row.

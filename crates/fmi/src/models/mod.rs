@@ -13,7 +13,7 @@ use super::values::Values;
 use cable_robot::plan::{Check, Controller, Fault};
 use cable_robot::sim::{ContinuousPlant, Plant};
 
-pub use interface::{Interface, Scalar, Variant};
+pub use interface::{Interface, Scalar, VARIANTS, Variant};
 
 /// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
