@@ -1,6 +1,7 @@
 """A thin, named face on fmpy's FMI 2 and FMI 3 slaves, as the tests and examples use it."""
 
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,14 @@ def fmu_path(version: int, model: str) -> Path:
     if not path.exists():
         raise FileNotFoundError(f"{path} is missing: run `cargo fmu build` first")
     return path
+
+
+def packed(folder, *options, rig="eight"):
+    """The folder, with the FMUs of a rig that the program packed there."""
+    root = FMU_FOLDER.parent.parent
+    command = [root / "target/debug/cable-robot", "fmu", "--rig", root / "rigs" / f"{rig}.toml", "--output", folder, "--library", FMU_FOLDER]
+    subprocess.run([*command, *options], check=True, capture_output=True)
+    return folder
 
 
 def pose_names(prefix: str) -> list[str]:

@@ -2,19 +2,15 @@
 
 import re
 import shutil
-import subprocess
 import zipfile
-from pathlib import Path
 
 import pytest
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from robot_fmu import Slave, cable_names, pose_names
+from robot_fmu import Slave, cable_names, packed, pose_names
 
-ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = ROOT / "target" / "debug" / "cable-robot"
 STEP = 1e-3
 PERIOD = 0.05
 GOAL = [0.15, 0.15, 1.0, 0.0, 0.0, 0.0]
@@ -23,13 +19,7 @@ GOAL = [0.15, 0.15, 1.0, 0.0, 0.0, 0.0]
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     """FMUs with arrays and with scalars."""
-    folders = []
-    for options in (["--full"], []):
-        folder = tmp_path_factory.mktemp("full")
-        command = [PROGRAM, "fmu", "--rig", ROOT / "rigs/paper.toml", "--output", folder, "--library", ROOT / "target/fmu"]
-        subprocess.run([*command, *options], check=True, capture_output=True)
-        folders.append(folder / "fmi3")
-    return folders
+    return [packed(tmp_path_factory.mktemp("full"), *options, rig="paper") / "fmi3" for options in (["--full"], [])]
 
 
 class Full:

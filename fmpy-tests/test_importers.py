@@ -14,10 +14,9 @@ import pyssp_standard
 import pytest
 from lxml import etree
 
-from robot_fmu import Slave, cable_names, fmu_path, pose_names
+from robot_fmu import Slave, cable_names, fmu_path, packed, pose_names
 
 HERE = Path(__file__).resolve().parent
-PROGRAM = HERE.parent / "target" / "debug" / "cable-robot"
 SCHEMAS = Path(pyssp_standard.__file__).parent / "resources"
 STEP = 1e-3
 COUPLED = pose_names("encoderPose") + cable_names("cableLength") + cable_names("measuredTension")
@@ -34,10 +33,7 @@ def require_tbb():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("systems")
-    command = [PROGRAM, "fmu", "--rig", HERE.parent / "rigs/paper.toml", "--output", folder, "--library", HERE.parent / "target/fmu"]
-    subprocess.run([*command, "--ssp"], check=True, capture_output=True)
-    return folder
+    return packed(tmp_path_factory.mktemp("systems"), "--ssp", rig="paper")
 
 
 @pytest.mark.parametrize("tool", ["fmpy_now", "ecos", "cosim", "toolbox"])

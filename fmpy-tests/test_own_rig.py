@@ -1,8 +1,6 @@
 """FMUs of another rig than the paper's, packed by the program and stepped by fmpy."""
 
-import subprocess
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,17 +8,9 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
-from robot_fmu import Slave, pose_names
+from robot_fmu import Slave, packed, pose_names
 
-ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = ROOT / "target" / "debug" / "cable-robot"
 CABLES = range(1, 9)
-
-
-def packed(folder, *options, rig="eight"):
-    command = [PROGRAM, "fmu", "--rig", ROOT / "rigs" / f"{rig}.toml", "--output", folder, "--library", ROOT / "target/fmu", *options]
-    subprocess.run(command, check=True, capture_output=True)
-    return folder
 
 
 @pytest.fixture(scope="module")
