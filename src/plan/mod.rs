@@ -11,6 +11,7 @@ pub mod interface;
 #[cfg(feature = "clarabel")]
 pub mod linear_program;
 mod margins;
+pub mod minimum_time;
 #[cfg(feature = "clarabel")]
 pub mod nearest;
 pub mod planner;

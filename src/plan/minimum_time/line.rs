@@ -1,0 +1,481 @@
+//! The fastest motion of the paper's robot along a straight line, heights included, every tension within its limits. Derived in docs/minimum-time.md.
+//!
+//! On the line P = P₀ + s d every G_i of docs/exact.md, (E1), is G_i = g (h_i - ν_i s) - κ_i s'': there is no term with s'². A limit of a
+//! tension is therefore one of s'' that depends on s alone, and a straight line in s but for l_i. With chords in the place of that, on the safe
+//! side of it, every limit holds at every s by construction.
+
+use arrayvec::ArrayVec;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::arc::Timing;
+use super::envelope::{Ray, least};
+use crate::robot::triangles::{FACET_NORMALS, SIX, ends};
+use crate::robot::{RobotParameters, TensionLimits};
+
+/// Pieces of a line, each with its chords.
+pub const PIECES: usize = 8;
+/// Each of the six cables is the one that binds once in a piece at most.
+const MOST_RAYS: usize = PIECES * SIX;
+
+/// Straight bounds from the start of the line to its end.
+type Bound = ArrayVec<Ray, MOST_RAYS>;
+
+/// A straight way of the paper's robot, level and without a turn, and between what its tensions stay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    robot: RobotParameters,
+    limits: TensionLimits,
+    from: Vector3<f64>,
+    /// Of length 1, or 0 where the line has no length.
+    direction: Vector3<f64>,
+    length: f64,
+}
+
+/// What bounds s'': both are positive along the whole line.
+struct Bounds {
+    /// Its greatest value, A₊, m/s².
+    rise: Bound,
+    /// The greatest value of -s'', -A₋, m/s².
+    fall: Bound,
+}
+
+impl Line {
+    /// Between two positions of the platform's centre in the paper's frame, m, with every tension within `limits`, N.
+    pub fn new(
+        robot: &RobotParameters,
+        limits: TensionLimits,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+    ) -> Self {
+        let (way, length) = (to - from, (to - from).norm());
+        let direction = if length > 0.0 { way / length } else { Vector3::zeros() };
+        Self { robot: *robot, limits, from: *from, direction, length }
+    }
+
+    /// m.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The position at `s` m from the start.
+    pub fn point(&self, s: f64) -> Vector3<f64> {
+        self.from + self.direction * s
+    }
+
+    /// The unit vector along it.
+    pub fn direction(&self) -> Vector3<f64> {
+        self.direction
+    }
+
+    /// The fastest motion from its start, with the speed `v0` (m/s) there, to rest at its end, no faster than `fastest` (m/s). `None` where the robot cannot rest
+    /// somewhere on the line with its tensions within the limits, where it is too fast at the start, and on a way straight down that no greatest tension limits.
+    pub fn fastest(&self, v0: f64, fastest: f64) -> Option<Timing> {
+        let mut timing = Timing::begun_at(0.0);
+        if self.length == 0.0 {
+            return (v0 == 0.0).then_some(timing);
+        }
+        let Bounds { rise, fall } = self.bounds()?;
+        // W = s'²/2, dW/ds = s'': forwards from the start, backwards from rest at the end.
+        let speeding = Profile::new(&rise, self.length, 0.5 * v0 * v0);
+        let braking = Profile::back_from_rest(&fall, self.length);
+        let switch = speeding.crossing(&braking)?;
+        let most = 0.5 * fastest * fastest;
+        if speeding.at(0.0) > most {
+            return None;
+        }
+        let (up, down) = if speeding.at(switch) > most {
+            (speeding.place_of(most), braking.place_of(most))
+        } else {
+            (switch, switch)
+        };
+        speeding.emit(0.0, up, &mut timing);
+        if down > up {
+            timing.push(fastest, [0.0, 0.0], down, fastest);
+        }
+        braking.emit(down, self.length, &mut timing);
+        Some(timing)
+    }
+
+    /// "Switch now": the stop from the place `s` (m) with the speed `v` (m/s, greater than 0) of one of the motions above. It is proved with them.
+    pub fn stop(&self, s: f64, v: f64) -> Option<Timing> {
+        let fall = self.bounds()?.fall;
+        let mut timing = Timing::begun_at(s);
+        let mut energy = 0.5 * v * v;
+        for k in 0..fall.len() {
+            let end = fall.get(k + 1).map_or(self.length, |next| next.s);
+            if end <= s || energy <= 0.0 {
+                continue;
+            }
+            let start = timing.end;
+            let (a, slope) = (fall[k].at(start), fall[k].slope);
+            let left = energy - a * (end - start) - 0.5 * slope * (end - start) * (end - start);
+            let to = if left > 0.0 { end } else { (start + way_of(energy, a, slope)).min(end) };
+            let after = left.max(0.0);
+            timing.push((2.0 * energy).sqrt(), [-a, -slope], to, (2.0 * after).sqrt());
+            energy = after;
+        }
+        Some(timing)
+    }
+
+    /// `None` where one of them is not positive, or nothing bounds s'' on that side, or the line goes up to the base.
+    fn bounds(&self) -> Option<Bounds> {
+        let (mut rise, mut fall) = (Bound::new(), Bound::new());
+        if [0.0, self.length].into_iter().any(|s| self.point(s).z <= 0.0) {
+            return None;
+        }
+        for k in 0..PIECES {
+            let place = |k: usize| self.length * k as f64 / PIECES as f64;
+            let (start, end) = (place(k), place(k + 1));
+            let (mut rises, mut falls) = (ArrayVec::<Ray, SIX>::new(), ArrayVec::<Ray, SIX>::new());
+            for limit in (0..SIX).flat_map(|i| self.limits_of(i, start, end)) {
+                if limit.kappa > 0.0 {
+                    rises.push(limit.over(limit.kappa));
+                } else if limit.kappa < 0.0 {
+                    falls.push(limit.over(-limit.kappa));
+                } else if !limit.is_met(end) {
+                    return None;
+                }
+            }
+            if rises.is_empty() || falls.is_empty() {
+                return None;
+            }
+            least(&rises, end, &mut rise);
+            least(&falls, end, &mut fall);
+        }
+        let is_positive = |bound: &Bound| {
+            (0..bound.len()).all(|k| {
+                let end = bound.get(k + 1).map_or(self.length, |next| next.s);
+                bound[k].value > 0.0 && bound[k].at(end) > 0.0
+            })
+        };
+        (is_positive(&rise) && is_positive(&fall)).then_some(Bounds { rise, fall })
+    }
+
+    /// The conditions of cable `i` on a piece of the line.
+    fn limits_of(&self, i: usize, start: f64, end: f64) -> impl Iterator<Item = Limit> {
+        let RobotParameters { a, b, m, g, .. } = self.robot;
+        let (anchor, attachment) = ends(a, b)[i];
+        let (from, direction) = (self.from, self.direction);
+        let height = |s: f64| from.z + direction.z * s;
+        // From the attachment to the anchor at s: q - s d.
+        let q = anchor - attachment - from;
+        let cable = |s: f64| (q - direction * s).norm();
+        let (w_start, w_end) = (height(start) / cable(start), height(end) / cable(end));
+        let shortest = cable(q.dot(&direction).clamp(start, end));
+        // |w''| of w = z/l: 2 |z'| |l'|/l² + z |3 l'² - 1|/l³ with |l'| ≤ 1.
+        let highest = height(start).max(height(end));
+        let curvature = 2.0 * (direction.z.abs() + highest / shortest) / (shortest * shortest);
+        let off = 0.125 * (end - start) * (end - start) * curvature;
+        // G = g (h - ν s) - κ s'', and u = m l G/(3 a z): c w is G at the limit.
+        let normal = FACET_NORMALS[i];
+        let (h, nu) = (0.5 * a - normal.dot(&from.xy()), normal.dot(&direction.xy()));
+        let kappa = direction.z * h + from.z * nu;
+        let [at_start, at_end] = [start, end].map(|s| g * (h - nu * s));
+        let least = 3.0 * a * self.limits.min / m;
+        let greatest = 3.0 * a * self.limits.max / m;
+        let limit = |kappa: f64, y_start: f64, y_end: f64| Limit {
+            kappa,
+            y: Ray { s: start, value: y_start, slope: (y_end - y_start) / (end - start) },
+        };
+        let lower = limit(kappa, at_start - least * (w_start + off), at_end - least * (w_end + off));
+        let upper = limit(-kappa, greatest * (w_start - off) - at_start, greatest * (w_end - off) - at_end);
+        [Some(lower), greatest.is_finite().then_some(upper)].into_iter().flatten()
+    }
+}
+
+/// κ s'' ≤ y(s).
+struct Limit {
+    kappa: f64,
+    y: Ray,
+}
+
+impl Limit {
+    fn over(&self, by: f64) -> Ray {
+        Ray { s: self.y.s, value: self.y.value / by, slope: self.y.slope / by }
+    }
+
+    /// With κ = 0, on a piece that ends there.
+    fn is_met(&self, end: f64) -> bool {
+        self.y.value >= 0.0 && self.y.at(end) >= 0.0
+    }
+}
+
+/// W = s'²/2 along the line, m²/s², with dW/ds = ±the rays' values.
+struct Profile<'a> {
+    rays: &'a [Ray],
+    length: f64,
+    /// W where each ray begins.
+    energy: ArrayVec<f64, MOST_RAYS>,
+    /// 1, or -1 where it falls.
+    sign: f64,
+}
+
+impl<'a> Profile<'a> {
+    /// Speeding up from `energy` at the start.
+    fn new(rays: &'a [Ray], length: f64, energy: f64) -> Self {
+        let mut profile = Self { rays, length, energy: ArrayVec::new(), sign: 1.0 };
+        let mut sum = energy;
+        for k in 0..rays.len() {
+            profile.energy.push(sum);
+            sum += profile.gain(k, profile.end(k));
+        }
+        profile
+    }
+
+    /// Braking down to rest at the end.
+    fn back_from_rest(rays: &'a [Ray], length: f64) -> Self {
+        let mut profile = Self { rays, length, energy: rays.iter().map(|_| 0.0).collect(), sign: -1.0 };
+        let mut sum = 0.0;
+        for k in (0..rays.len()).rev() {
+            sum -= profile.gain(k, profile.end(k));
+            profile.energy[k] = sum;
+        }
+        profile
+    }
+
+    fn end(&self, k: usize) -> f64 {
+        self.rays.get(k + 1).map_or(self.length, |next| next.s)
+    }
+
+    /// What W gains along ray `k` up to `s`.
+    fn gain(&self, k: usize, s: f64) -> f64 {
+        let ray = &self.rays[k];
+        let x = s - ray.s;
+        self.sign * (ray.value * x + 0.5 * ray.slope * x * x)
+    }
+
+    /// W at `s`.
+    fn at(&self, s: f64) -> f64 {
+        let k = self.rays.iter().rposition(|ray| ray.s <= s).unwrap_or(0);
+        (self.energy[k] + self.gain(k, s)).max(0.0)
+    }
+
+    /// Where W is `energy`, which it is somewhere.
+    fn place_of(&self, energy: f64) -> f64 {
+        let is_beyond = |k: &usize| (self.energy[*k] - energy) * self.sign > 0.0;
+        let k = (0..self.rays.len()).find(is_beyond).unwrap_or(self.rays.len()).max(1) - 1;
+        let ray = &self.rays[k];
+        let missing = (energy - self.energy[k]) * self.sign;
+        (ray.s + way_of(missing, ray.value, ray.slope)).min(self.end(k))
+    }
+
+    /// Where this one, which rises, meets `other`, which falls to zero. `None` if it is above it from the start.
+    fn crossing(&self, other: &Profile) -> Option<f64> {
+        let gap = |s: f64| other.at(s) - self.at(s);
+        if gap(0.0) < 0.0 {
+            return None;
+        }
+        let (mut here, mut k, mut j) = (0.0, 0, 0);
+        loop {
+            let end = self.end(k).min(other.end(j));
+            if end >= self.length || gap(end) <= 0.0 {
+                let slopes = self.rays[k].at(here) + other.rays[j].at(here);
+                let way = way_of(gap(here).max(0.0), slopes, self.rays[k].slope + other.rays[j].slope);
+                return Some((here + way).min(end));
+            }
+            k += usize::from(self.end(k) <= end);
+            j += usize::from(other.end(j) <= end);
+            here = end;
+        }
+    }
+
+    /// The arcs between two places.
+    fn emit(&self, from: f64, to: f64, timing: &mut Timing) {
+        for k in 0..self.rays.len() {
+            let (start, end) = (self.rays[k].s.max(from), self.end(k).min(to));
+            if end > start {
+                let speed = |s: f64| (2.0 * (self.energy[k] + self.gain(k, s)).max(0.0)).sqrt();
+                let law = [self.rays[k].at(start), self.rays[k].slope].map(|value| self.sign * value);
+                // Rest at the end is rest, whatever was rounded.
+                let v1 = if self.sign < 0.0 && end == self.length { 0.0 } else { speed(end) };
+                timing.push(speed(start), law, end, v1);
+            }
+        }
+    }
+}
+
+/// x with p x + q x²/2 = `energy`.
+fn way_of(energy: f64, p: f64, q: f64) -> f64 {
+    2.0 * energy / (p + (p * p + 2.0 * q * energy).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::tensions;
+    use crate::robot::{Coordinates, Pose, Rig};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const OPEN: TensionLimits = TensionLimits { min: 0.0, max: f64::INFINITY };
+
+    fn robot() -> RobotParameters {
+        RobotParameters::default()
+    }
+
+    fn position(x: f64, y: f64, z: f64) -> Vector3<f64> {
+        Vector3::new(x, y, z)
+    }
+
+    fn papers_move(limits: TensionLimits) -> Line {
+        Line::new(&robot(), limits, &position(0.0, 0.0, 1.0), &position(0.15, 0.15, 1.0))
+    }
+
+    /// The least and the greatest tension at a place and an acceleration on the line, by the inverse dynamics of all six coordinates, N.
+    fn extremes(line: &Line, [s, v, a]: [f64; 3]) -> [f64; 2] {
+        let rig = Rig::paper(&line.robot, OPEN);
+        let along = |by: f64| {
+            let by = line.direction * by;
+            Coordinates::new(by.x, by.y, by.z, 0.0, 0.0, 0.0)
+        };
+        let point = line.point(s);
+        let pose = Pose::at(point.x, point.y, point.z);
+        let tension = tensions(&rig, &pose, &along(v), &along(a), 0.0).unwrap();
+        [f64::min, f64::max].map(|pick| tension.into_iter().reduce(pick).unwrap())
+    }
+
+    /// A line with both ends where the robot can rest, and limits of the tensions.
+    fn any_line(rng: &mut Pcg64) -> Line {
+        let robot = robot();
+        let mut any = |low: f64, high: f64| rng.random_range(low..high);
+        let mut end = || {
+            loop {
+                let point = position(any(-0.25, 0.25), any(-0.25, 0.25), any(0.4, 1.6));
+                if FACET_NORMALS.iter().all(|n| n.dot(&point.xy()) < 0.22) {
+                    return point;
+                }
+            }
+        };
+        let (from, to) = (end(), end());
+        let to = if from.z < 1.0 { position(to.x, to.y, from.z) } else { to };
+        let min = [0.0, 0.5, any(0.0, 1.0)][(any(0.0, 3.0)) as usize];
+        let max = [1e3, 40.0, any(30.0, 100.0)][(any(0.0, 3.0)) as usize];
+        Line::new(&robot, TensionLimits { min, max }, &from, &to)
+    }
+
+    /// The same optimum by brute force: on a fine grid, with the limits themselves, found by halving of s''.
+    fn on_a_grid(line: &Line, cells: usize) -> Option<f64> {
+        let rig = Rig::paper(&line.robot, OPEN);
+        let h = line.length / cells as f64;
+        let bounds = |s: f64| {
+            let point = line.point(s);
+            let pose = Pose::at(point.x, point.y, point.z);
+            let of = |a: f64| {
+                let by = line.direction * a;
+                let by = Coordinates::new(by.x, by.y, by.z, 0.0, 0.0, 0.0);
+                tensions(&rig, &pose, &Coordinates::zeros(), &by, 0.0).unwrap()
+            };
+            // Affine in the acceleration.
+            let (rest, one) = (of(0.0), of(1.0));
+            let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
+            for i in 0..SIX {
+                let slope = one[i] - rest[i];
+                for limit in [line.limits.min, line.limits.max] {
+                    let a = (limit - rest[i]) / slope;
+                    let is_above = (slope > 0.0) == (limit == line.limits.max);
+                    if a.is_finite() && is_above {
+                        most = most.min(a);
+                    } else if a.is_finite() {
+                        least = least.max(a);
+                    }
+                }
+            }
+            (least < 0.0 && most > 0.0).then_some([least, most])
+        };
+        let cells: Vec<[f64; 2]> = (0..cells).map(|k| bounds((k as f64 + 0.5) * h)).collect::<Option<_>>()?;
+        let mut up = vec![0.0];
+        cells.iter().for_each(|[_, most]| up.push(up.last().unwrap() + most * h));
+        let mut down = vec![0.0];
+        cells.iter().rev().for_each(|[least, _]| down.push(down.last().unwrap() - least * h));
+        down.reverse();
+        let speed = |k: usize| (2.0 * f64::min(up[k], down[k])).sqrt();
+        Some((0..cells.len()).map(|k| 2.0 * h / (speed(k) + speed(k + 1))).sum())
+    }
+
+    #[test]
+    fn the_papers_move_takes_what_the_bound_says() {
+        for (min, expected) in [(0.0, 0.556150), (0.5, 0.569153)] {
+            let time =
+                papers_move(TensionLimits { min, ..OPEN }).fastest(0.0, f64::INFINITY).unwrap().duration;
+            println!("u >= {min}: {time:.6} s");
+            assert!((time - expected).abs() < 1.5e-6, "{time}");
+        }
+    }
+
+    #[test]
+    fn every_tension_of_a_fastest_motion_and_of_its_stops_is_within_the_limits_and_no_motion_is_faster() {
+        let mut rng = Pcg64::seed_from_u64(12);
+        let (mut planned, mut slowest, mut nearest) = (0, 0.0f64, f64::INFINITY);
+        for _ in 0..600 {
+            let line = any_line(&mut rng);
+            let TensionLimits { min, max } = line.limits;
+            let Some(timing) = line.fastest(0.0, f64::INFINITY) else {
+                // The chords cost a little.
+                let narrower = Line { limits: line.limits.shrunk(0.02), ..line };
+                assert_eq!(on_a_grid(&narrower, 200), None, "{line:?}");
+                continue;
+            };
+            planned += 1;
+            let mut check = |timing: &Timing, line: &Line| {
+                for k in 0..400 {
+                    let t = timing.duration * f64::from(k) / 400.0;
+                    let [least, greatest] = extremes(line, timing.at(t));
+                    nearest = nearest.min(least - min);
+                    assert!(least > min - 1e-9 && greatest < max + 1e-9, "{line:?} {t}: {least} {greatest}");
+                }
+            };
+            check(&timing, &line);
+            assert!((timing.at(timing.duration * (1.0 - 1e-12))[0] - line.length).abs() < 1e-9);
+            for _ in 0..5 {
+                let [s, v, _] = timing.at(rng.random_range(0.0..timing.duration));
+                let stop = line.stop(s, v).unwrap();
+                assert!(stop.end <= line.length + 1e-12 && stop.at(stop.duration * 0.999999)[1] < 1e-4 * v);
+                check(&stop, &line);
+            }
+            if planned % 5 == 0 {
+                let best = on_a_grid(&line, 4000).unwrap();
+                slowest = slowest.max(timing.duration / best - 1.0);
+            }
+        }
+        println!(
+            "{planned} planned, at most {slowest:.2e} slower than the bound, tensions to {nearest:.1e} N"
+        );
+        assert!(planned > 400 && slowest < 1e-3, "{planned} {slowest}");
+    }
+
+    #[test]
+    fn a_limit_of_speed_is_kept_and_costs_time() {
+        let line = papers_move(OPEN);
+        let free = line.fastest(0.0, f64::INFINITY).unwrap();
+        let slow = line.fastest(0.0, 0.2).unwrap();
+        let greatest =
+            (0..=1000).map(|k| slow.at(slow.duration * 1e-3 * f64::from(k))[1]).fold(0.0, f64::max);
+        assert!((greatest - 0.2).abs() < 1e-12, "{greatest}");
+        assert!(slow.duration > line.length / 0.2 && slow.duration > free.duration, "{slow:?}");
+        assert_eq!(line.fastest(0.3, 0.2), None);
+        assert_eq!(line.fastest(0.0, 1e9), Some(free));
+    }
+
+    #[test]
+    fn a_motion_goes_on_from_its_middle_and_is_refused_where_it_is_too_fast_to_stop() {
+        let line = papers_move(TensionLimits { min: 0.5, max: 40.0 });
+        let whole = line.fastest(0.0, f64::INFINITY).unwrap();
+        let t = 0.3 * whole.duration;
+        let [s, v, _] = whole.at(t);
+        let rest = Line::new(&robot(), line.limits, &line.point(s), &line.point(line.length));
+        let left = rest.fastest(v, f64::INFINITY).unwrap().duration;
+        assert!((left + t - whole.duration).abs() < 1e-4, "{left} {t}");
+        assert_eq!(rest.fastest(3.0, f64::INFINITY), None);
+    }
+
+    #[test]
+    fn what_cannot_be_rested_at_is_refused_and_no_way_takes_no_time() {
+        let to = |x: f64, z: f64| Line::new(&robot(), OPEN, &position(0.0, 0.0, 1.0), &position(x, 0.0, z));
+        assert_eq!(to(0.3, 1.0).fastest(0.0, f64::INFINITY), None);
+        assert_eq!(to(0.0, -1.0).fastest(0.0, f64::INFINITY), None);
+        assert_eq!(to(0.0, 1.0).fastest(0.0, f64::INFINITY).unwrap().duration, 0.0);
+        let heavy = TensionLimits { min: 12.0, max: 40.0 };
+        assert_eq!(papers_move(heavy).fastest(0.0, f64::INFINITY), None);
+    }
+}
