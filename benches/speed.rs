@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use cable_robot::control::Gains;
 use cable_robot::control::lyapunov::tension_command;
+use cable_robot::control::{Gains, Reference};
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
@@ -151,7 +151,10 @@ fn any_rig(c: &mut Criterion) {
         let (at, rates) = (Pose(home.0 + by), Coordinates::repeat(0.05));
         let margin = 0.0017 * rig.weight();
         c.bench_function(&format!("law, {name}"), |b| {
-            b.iter(|| tension_command(&rig, &gains, black_box(&at), &rates, &home, margin).unwrap())
+            b.iter(|| {
+                tension_command(&rig, &gains, black_box(&at), &rates, &Reference::resting(&home), margin)
+                    .unwrap()
+            })
         });
         let parameters =
             ControllerParameters { planner: PlannerKind::Exact, ..ControllerParameters::of(&rig) };

@@ -14,7 +14,8 @@ CONTROLLER = {
     "output": cable_names("motorTension") + pose_names("setPoint") + ["setPointIndex"] + pose_names("estimatedPose")
     + pose_names("estimatedVelocity") + ["steady", "atGoal", "tensionMargin", "status", "goalDistance", "fault",
        "faultValue", "faultLimit"] + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"]
-    + ["estimatedMass", "statusNumber", "faultNumber", "parametersPending"],
+    + ["estimatedMass", "statusNumber", "faultNumber", "parametersPending"] + pose_names("reference")
+    + pose_names("referenceVelocity") + pose_names("referenceAcceleration"),
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
     "forceLoop positionTolerance angleTolerance holdCompensation commandDelay observerBound accuracy "
     "massTolerance encoderResolution disturbanceBound maxSpeed maxAngularRate maxCableSpeed largestStep plannerNumber poseSourceNumber".split(),

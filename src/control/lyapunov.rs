@@ -1,12 +1,17 @@
-//! Eqs. (2) to (6): the Lyapunov law on all six coordinates.
+//! Eqs. (2) to (6): the Lyapunov law on all six coordinates, about a reference that may move. For one at rest it is the paper's.
 
-use super::Gains;
 use super::tensions::tensions;
+use super::{Gains, Reference};
 use crate::robot::{Coordinates, PerCable, Pose, Rig};
 
-/// s = x' + λ (x - x_d), Eq. (2); angles are subtracted the short way round.
-pub fn sliding_variable(gains: &Gains, pose: &Pose, rates: &Coordinates, set_point: &Pose) -> Coordinates {
-    rates + pose.minus(set_point) * gains.lambda
+/// s = (x' - r') + λ (x - r), Eq. (2); angles are subtracted the short way round.
+pub fn sliding_variable(
+    gains: &Gains,
+    pose: &Pose,
+    rates: &Coordinates,
+    reference: &Reference,
+) -> Coordinates {
+    (rates - reference.rates) + pose.minus(&reference.pose) * gains.lambda
 }
 
 /// V = sᵀs/2, Eq. (3).
@@ -14,9 +19,10 @@ pub fn lyapunov_function(s: &Coordinates) -> f64 {
     0.5 * s.norm_squared()
 }
 
-/// The accelerations x'' = -λ x' - η s that the law imposes: Eq. (5), s' = -η s.
-pub fn acceleration(gains: &Gains, pose: &Pose, rates: &Coordinates, set_point: &Pose) -> Coordinates {
-    -rates * gains.lambda - sliding_variable(gains, pose, rates, set_point) * gains.eta
+/// The accelerations x'' = r'' - λ (x' - r') - η s that the law imposes: Eq. (5), s' = -η s.
+pub fn acceleration(gains: &Gains, pose: &Pose, rates: &Coordinates, reference: &Reference) -> Coordinates {
+    let s = sliding_variable(gains, pose, rates, reference);
+    -(rates - reference.rates) * gains.lambda - s * gains.eta + reference.accelerations
 }
 
 /// The law (4): the tensions that give these accelerations, N; negative where a cable would have to push. More than six cables keep `margin`
@@ -28,8 +34,8 @@ pub fn tension_command(
     gains: &Gains,
     pose: &Pose,
     rates: &Coordinates,
-    set_point: &Pose,
+    reference: &Reference,
     margin: f64,
 ) -> Option<PerCable<f64>> {
-    tensions(rig, pose, rates, &acceleration(gains, pose, rates, set_point), margin)
+    tensions(rig, pose, rates, &acceleration(gains, pose, rates, reference), margin)
 }

@@ -60,9 +60,13 @@ impl Response {
         rates: &Coordinates,
         set_point: &Pose,
     ) -> (Pose, Coordinates, Coordinates) {
-        let error = pose.minus(set_point);
-        let [e, de, dde] = std::array::from_fn(|k| error * self.f[k] + rates * self.phi[k]);
+        let [e, de, dde] = self.error_of(&pose.minus(set_point), rates);
         (Pose(set_point.0 + e), de, dde)
+    }
+
+    /// The error of the six coordinates and its two derivatives, of one that began with `error` and `rates`: about a reference at rest or in motion.
+    pub fn error_of(&self, error: &Coordinates, rates: &Coordinates) -> [Coordinates; 3] {
+        std::array::from_fn(|k| error * self.f[k] + rates * self.phi[k])
     }
 
     /// f and φ.

@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use super::aim::Search;
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, Status};
+use super::minimum_time::Course;
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use super::stop::Stop;
 use super::tuning::Tuning;
-use crate::control::{Commands, DelayWatch, Estimator, ForceLoop};
+use crate::control::{Commands, DelayWatch, Estimator, ForceLoop, Reference};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over, those of the pose and those of the rates: what encoders jump by
@@ -56,6 +57,8 @@ pub struct Controller {
     aimed_for: Option<Pose>,
     /// The search for where to make for instead of a new goal.
     search: Option<Search>,
+    /// The motion to the set point or, after a fault, to a stop; without one the set point rests.
+    course: Option<Course>,
     /// What was tuned and does not act yet.
     wanted: Option<Tuning>,
     outputs: ControllerOutputs,
@@ -109,6 +112,7 @@ impl Controller {
             aim: inputs.goal_pose,
             aimed_for: None,
             search: None,
+            course: None,
             wanted: None,
             outputs,
         };
@@ -182,6 +186,7 @@ impl Controller {
         self.estimator.unexplained = self.estimator.rates;
         self.planner.parameters.rig.disturbance = Vector6::zeros();
         self.outputs.set_point = self.estimator.pose;
+        self.course = None;
         self.outputs.set_point_index = 0;
         self.started = self.time;
         self.ticks = 0;
@@ -209,6 +214,14 @@ impl Controller {
         }
     }
 
+    /// What the law follows at a time, s.
+    fn reference(&self, time: f64) -> Reference {
+        match &self.course {
+            Some(course) if time < course.end() => course.at(time),
+            _ => Reference::resting(&self.outputs.set_point),
+        }
+    }
+
     fn is_steady(&self) -> bool {
         self.situation().is_steady()
     }
@@ -228,6 +241,7 @@ impl Controller {
         let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
+        self.outputs.reference = self.reference(self.time + self.foreseen_delay());
         self.outputs.disturbance = self.estimator.disturbance;
         self.outputs.estimated_mass = estimated_mass(self.planner.rig());
         self.outputs.steady = steady;

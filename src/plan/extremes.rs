@@ -1,6 +1,7 @@
 //! What a step asks of the cables: the extreme tensions along its closed-form response, looked at densely.
 
-use crate::control::{Gains, Response, response, tensions};
+use super::minimum_time::Course;
+use crate::control::{Gains, Reference, Response, response, tensions};
 use crate::robot::{Coordinates, Pose, Rig};
 
 /// Instants looked at, denser at the start.
@@ -43,10 +44,28 @@ pub fn extremes_from(
     (from, rates): (&Pose, &Coordinates),
     to: &Pose,
 ) -> Option<Extremes> {
+    let motion = |time: f64| {
+        let (pose, rates, accelerations) = Response::at(gains, time).motion_of(from, rates, to);
+        Reference { pose, rates, accelerations }
+    };
+    along(rig, response::instants(response::time_to_rest(gains), INSTANTS), motion)
+}
+
+/// The extremes of a course that begins at 0 s.
+pub fn extremes_of_course(rig: &Rig, course: &Course) -> Option<Extremes> {
+    let share = course.end() / (INSTANTS - 1) as f64;
+    along(rig, (0..INSTANTS).map(|k| share * k as f64), |time| course.at(time))
+}
+
+fn along(
+    rig: &Rig,
+    instants: impl Iterator<Item = f64>,
+    motion: impl Fn(f64) -> Reference,
+) -> Option<Extremes> {
     let mut found: Option<Extremes> = None;
-    for time in response::instants(response::time_to_rest(gains), INSTANTS) {
-        let (pose, rates, acceleration) = Response::at(gains, time).motion_of(from, rates, to);
-        let tension = tensions(rig, &pose, &rates, &acceleration, 0.0)?;
+    for time in instants {
+        let Reference { pose, rates, accelerations } = motion(time);
+        let tension = tensions(rig, &pose, &rates, &accelerations, 0.0)?;
         for (i, tension) in tension.into_iter().enumerate() {
             let here = TensionAt { cable: i + 1, tension, time, pose };
             let outside =

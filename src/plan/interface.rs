@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
 use super::tuning::Pending;
-use crate::control::{DisturbanceObserver, Gains};
+use crate::control::{DisturbanceObserver, Gains, Reference};
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
 
@@ -16,11 +16,18 @@ pub enum PlannerKind {
     Bounded = 1,
     /// Every step that the certificate proves, in all six coordinates and from any state: a set point at every tick.
     Exact = 2,
+    /// The fastest motion along a straight line: of the paper's rig, level.
+    MinimumTime = 3,
 }
 
 impl PlannerKind {
-    /// All there are, in the order of their numbers. The first is of the paper's rig only, the others of any.
-    pub const ALL: [Self; 2] = [Self::Bounded, Self::Exact];
+    /// All there are, in the order of their numbers.
+    pub const ALL: [Self; 3] = [Self::Bounded, Self::Exact, Self::MinimumTime];
+
+    /// Whether it plans for every rig, not for the paper's alone.
+    pub const fn is_of_any_rig(self) -> bool {
+        matches!(self, Self::Exact)
+    }
 
     /// Its name, and what it is, for people.
     pub const fn described(self) -> (&'static str, &'static str) {
@@ -29,6 +36,10 @@ impl PlannerKind {
             Self::Exact => (
                 "Exact",
                 "Every step that is proved to keep the tensions within their limits, from any state: a set point at every tick",
+            ),
+            Self::MinimumTime => (
+                "MinimumTime",
+                "The fastest motion along a straight line, every tension within its limits: level ones",
             ),
         }
     }
@@ -54,6 +65,7 @@ impl PlannerKind {
         match self {
             Self::Bounded => "bounded",
             Self::Exact => "exact",
+            Self::MinimumTime => "minimum-time",
         }
     }
 
@@ -278,6 +290,8 @@ pub struct ControllerOutputs {
     pub set_point: Pose,
     /// i, counted from 0 (the pose at which the controller was enabled).
     pub set_point_index: i32,
+    /// What the law follows when the command of this step begins to act: the set point, or the motion to it.
+    pub reference: Reference,
     /// Estimate of the pose at the time of the step's inputs.
     pub estimated_pose: Pose,
     /// Estimate of the rates of the six coordinates, m/s and rad/s.
@@ -310,6 +324,7 @@ impl ControllerOutputs {
             motor_tension: *least,
             set_point: *pose,
             set_point_index: 0,
+            reference: Reference::resting(pose),
             estimated_pose: *pose,
             estimated_velocity: Coordinates::zeros(),
             steady: false,
@@ -400,11 +415,13 @@ impl ControllerParameters {
     pub fn validate(&self) -> Result<(), ParameterError> {
         self.rig.validate()?;
         self.check_settings()?;
-        if self.planner == PlannerKind::Bounded
+        if !self.planner.is_of_any_rig()
             && let Err(other) = Shape::of(&self.rig)
         {
-            let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
-            return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
+            let name = self.planner.described().0;
+            let allowed = format!("{name} knows the paper's rig only, and {other}: choose Exact (2)");
+            let value = f64::from(self.planner as i32);
+            return Err(ParameterError { name: "planner".into(), value, allowed: allowed.into() });
         }
         Ok(())
     }

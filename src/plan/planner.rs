@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::aim::Search;
 use super::interface::{ControllerParameters, PlannerKind, Rest, size};
+use super::minimum_time::Course;
 use crate::control::estimator::FASTEST_DIVERGENCE;
 use crate::control::{static_margin, static_tensions, swing};
 use crate::robot::pose::{LARGEST_PITCH, PITCH};
@@ -111,6 +112,7 @@ impl Planner {
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
+            PlannerKind::MinimumTime => self.course(now, None, 0.0, goal).map(|_| *goal),
         }
     }
 
@@ -118,15 +120,24 @@ impl Planner {
     pub(super) fn search(&self, from: &Pose, goal: &Pose) -> Search {
         match self.parameters.planner {
             PlannerKind::Bounded => Search::ended(goal, goal),
-            PlannerKind::Exact => self.nearest_rest(from, goal),
+            PlannerKind::MinimumTime if !self.is_level_move(goal, goal) => Search::ended(goal, goal),
+            PlannerKind::Exact | PlannerKind::MinimumTime => self.nearest_rest(from, goal),
         }
     }
 
     /// The set point to give to a robot that rests at `from`.
     pub fn next_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Pose> {
-        let rates = Coordinates::zeros();
-        let now = Situation { pose: from, rates: &rates, set_point: from, hold: 0.0, rest: self.rest };
-        self.next_set_point(&now, goal)
+        self.next_set_point(&self.at_rest(from, &Coordinates::zeros()), goal)
+    }
+
+    /// The course that `MinimumTime` takes from rest at `from`, begun at 0 s; `None` where there is none, and of other planners.
+    pub fn course_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Course> {
+        let is_meant = self.parameters.planner == PlannerKind::MinimumTime;
+        is_meant.then(|| self.course(&self.at_rest(from, &Coordinates::zeros()), None, 0.0, goal))?
+    }
+
+    fn at_rest<'a>(&self, pose: &'a Pose, rates: &'a Coordinates) -> Situation<'a> {
+        Situation { pose, rates, set_point: pose, hold: 0.0, rest: self.rest }
     }
 
     /// Whether there is a set point that is not given yet, but will be when the robot has come closer to rest.
@@ -140,6 +151,7 @@ impl Planner {
         match self.parameters.planner {
             PlannerKind::Bounded => self.is_horizontal(from, goal) && self.rests_at(goal, 0.0),
             PlannerKind::Exact => self.rests_at(goal, 0.0),
+            PlannerKind::MinimumTime => self.is_level_move(from, goal) && self.rests_at(goal, 0.0),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::minimum_time::Course;
 use crate::control::{Gains, Response, response, tensions};
 use crate::robot::{Coordinates, PerCable, Pose, Rig};
 
@@ -37,10 +38,41 @@ impl Prediction {
     /// Predicts the motion that begins at `time`; more than six cables keep `margin` (N) from their limits. Holding the commands is taken
     /// to cost `held` of what the tension of a cable changes by from then on. Where the wrench matrix is singular no tension counts as sure: zero.
     pub fn new(rig: &Rig, motion: &Motion, time: f64, margin: f64, held: f64) -> Self {
-        let instants = Instants::of(&motion.gains);
+        let Motion { pose, rates, set_point, gains } = motion;
+        let along = |t: f64| Response::at(gains, t).motion_of(pose, rates, set_point);
+        Self::along(rig, along, Instants::of(gains), time, margin, held)
+    }
+
+    /// The same on a course, which leads the robot from a state at `time` (s) on; at its end it is taken to rest.
+    pub fn of_course(
+        rig: &Rig,
+        course: &Course,
+        gains: &Gains,
+        (pose, rates): (&Pose, &Coordinates),
+        time: f64,
+    ) -> Self {
+        let begins = course.at(time);
+        let (error, change) = (pose.minus(&begins.pose), rates - begins.rates);
+        let along = |t: f64| {
+            let led = course.at(time + t);
+            let [e, de, dde] = Response::at(gains, t).error_of(&error, &change);
+            (Pose(led.pose.0 + e), led.rates + de, led.accelerations + dde)
+        };
+        let mut prediction = Self::along(rig, along, Instants::until(course.end() - time), time, 0.0, 0.0);
+        prediction.smallest.iter_mut().for_each(|smallest| *smallest -= course.held());
+        prediction
+    }
+
+    fn along(
+        rig: &Rig,
+        motion: impl Fn(f64) -> (Pose, Coordinates, Coordinates),
+        instants: Instants,
+        time: f64,
+        margin: f64,
+        held: f64,
+    ) -> Self {
         let tensions_at = |place: f64| {
-            let response = Response::at(&motion.gains, instants.time(place));
-            let (pose, rates, acceleration) = response.motion_of(motion.pose, motion.rates, motion.set_point);
+            let (pose, rates, acceleration) = motion(instants.time(place));
             tensions(rig, &pose, &rates, &acceleration, margin)
         };
         let mut prediction = Self { made_at: time, instants, smallest: [0.0; INSTANTS] };
@@ -85,6 +117,15 @@ impl Instants {
     fn of(gains: &Gains) -> Self {
         let dense = DENSE / gains.lambda.max(gains.eta);
         Self { dense, growth: libm::log1p(response::time_to_rest(gains) / dense) / (INSTANTS - 1) as f64 }
+    }
+
+    /// At equal distances up to just after `end`, s.
+    fn until(end: f64) -> Self {
+        /// So many times that long, an exponential is straight.
+        const STRAIGHT: f64 = 1e3;
+        const AFTER: f64 = 1.0 + 1e-6;
+        let dense = STRAIGHT * AFTER * end;
+        Self { dense, growth: libm::log1p(1.0 / STRAIGHT) / (INSTANTS - 1) as f64 }
     }
 
     fn time(&self, place: f64) -> f64 {

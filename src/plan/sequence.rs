@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use thiserror::Error;
 
-use super::extremes::{Extremes, TensionAt, extremes};
+use super::extremes::{Extremes, TensionAt, extremes, extremes_of_course};
 use super::nearest::{nearest_admissible, workspace_facets};
 use super::{ControllerParameters, Planner, PlannerKind};
 use crate::control::{self, Barrier};
@@ -27,6 +27,8 @@ pub struct Sequence {
     pub set_points: Vec<Pose>,
     /// The smallest tension predicted, and in which step (from 1); `None` if no step is made.
     pub smallest: Option<(usize, TensionAt)>,
+    /// How long it takes, s, of a planner that says so.
+    pub duration: Option<f64>,
     /// Whether the goal may be among set points that are no longer looked for.
     pub given_up: bool,
     /// Why the goal is not among the set points.
@@ -72,9 +74,16 @@ impl Sequence {
         // Where the controller would make for.
         let aim = Planner::from(*parameters).aim(from, to);
         let set_points = set_points(parameters, from, &aim);
-        let (mut at, mut smallest) = (*from, None::<(usize, TensionAt)>);
+        let (mut at, mut smallest, mut duration) = (*from, None::<(usize, TensionAt)>, None);
         for (i, next) in set_points.iter().enumerate() {
-            let step = extremes(rig, &gains, &at, next).ok_or(SequenceError::Singular)?.smallest;
+            let step = match Planner::from(*parameters).course_from_rest(&at, next) {
+                Some(course) => {
+                    duration = Some(duration.unwrap_or(0.0) + course.end());
+                    extremes_of_course(rig, &course)
+                }
+                None => extremes(rig, &gains, &at, next),
+            };
+            let step = step.ok_or(SequenceError::Singular)?.smallest;
             at = *next;
             if smallest.is_none_or(|(_, so_far)| step.tension < so_far.tension) {
                 smallest = Some((i + 1, step));
@@ -88,12 +97,14 @@ impl Sequence {
         } else {
             let nearest = match parameters.planner {
                 PlannerKind::Bounded => nearest_level(parameters, from, to)?.or((at != *from).then_some(at)),
-                PlannerKind::Exact => Some(at),
+                PlannerKind::Exact | PlannerKind::MinimumTime => Some(at),
             };
             let nearest_or_last = nearest.unwrap_or(at);
             Some(Obstacle {
                 singular: rig.regularity(to) < SINGULARITY_THRESHOLD,
-                broken: extremes(rig, &gains, &at, to).filter(|direct| direct.first_outside.is_some()),
+                broken: extremes(rig, &gains, &at, to).filter(|direct| {
+                    parameters.planner != PlannerKind::MinimumTime && direct.first_outside.is_some()
+                }),
                 nearest,
                 barrier: barrier(rig, &nearest_or_last, &goal),
                 is_tight: is_any(parameters, &nearest_or_last, &goal, |planner, at| {
@@ -102,7 +113,7 @@ impl Sequence {
                 is_loose: is_any(parameters, &nearest_or_last, &goal, |planner, at| !planner.is_firm(at)),
             })
         };
-        Ok(Self { set_points, smallest, given_up, obstacle })
+        Ok(Self { set_points, smallest, duration, given_up, obstacle })
     }
 
     /// Whether the goal is reached.
@@ -122,7 +133,7 @@ fn set_points(parameters: &ControllerParameters, from: &Pose, to: &Pose) -> Vec<
 fn goal_looked_at(planner: PlannerKind, from: &Pose, to: &Pose) -> Pose {
     match planner {
         PlannerKind::Bounded => Pose::at(to.0[0], to.0[1], from.0[2]),
-        PlannerKind::Exact => *to,
+        PlannerKind::Exact | PlannerKind::MinimumTime => *to,
     }
 }
 

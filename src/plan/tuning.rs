@@ -83,6 +83,10 @@ impl Planner {
     /// Whether the motion that goes on with these parameters is proved, as that to a new set point would be.
     pub(super) fn can_go_on(&self, now: &Situation) -> bool {
         let set_point = now.set_point;
+        if self.parameters.planner == PlannerKind::MinimumTime && !now.is_steady() {
+            // A course is made for the gains and limits with which it was begun.
+            return false;
+        }
         if self.parameters.planner == PlannerKind::Bounded {
             return self.is_proved(&Situation { hold: 0.0, ..*now }, set_point, 0.0, &mut { MOST_SPANS });
         }

@@ -1,6 +1,6 @@
 //! The certificate against dense sampling, closed forms and the plant.
 
-use cable_robot::control::{Gains, Response, lyapunov, tensions};
+use cable_robot::control::{Gains, Reference, Response, lyapunov, tensions};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify, certify_with_margins};
 use cable_robot::reach::in_static_workspace;
 use cable_robot::robot::triangles::FACET_NORMALS;
@@ -372,8 +372,15 @@ fn run(rng: &mut Pcg64, rig: &Rig, step: &Step, offset: Vector3<f64>) -> [f64; 3
             inputs.disturbance_torque = random_vector(rng, MARGINS.torque);
         }
         let (pose, rates) = told;
-        inputs.motor_tension =
-            lyapunov::tension_command(&believed, &step.gains, &pose, &rates, &step.set_point, 0.0).unwrap();
+        inputs.motor_tension = lyapunov::tension_command(
+            &believed,
+            &step.gains,
+            &pose,
+            &rates,
+            &Reference::resting(&step.set_point),
+            0.0,
+        )
+        .unwrap();
         told = imperfect.state(); // used one period later
         let closed_form = sampled(rig, step, f64::from(k) * PERIOD).unwrap();
         for (command, closed_form) in inputs.motor_tension.iter().zip(closed_form) {

@@ -21,6 +21,7 @@ fn found(
     run.is_late = is_late;
     let goals = match planner {
         PlannerKind::Bounded => [Pose::at(0.1, 0.05, 1.0); 2],
+        PlannerKind::MinimumTime => [Pose::at(0.1, 0.05, 0.9), Pose::at(-0.08, 0.06, 1.1)],
         PlannerKind::Exact => {
             [Pose::at(0.1, 0.05, 0.9), Pose(Coordinates::new(-0.08, 0.06, 1.1, 0.05, 0.0, 0.3))]
         }

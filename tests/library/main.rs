@@ -16,6 +16,7 @@ mod limits;
 mod margins;
 mod margins_of_any_rig;
 mod mathematics;
+mod minimum_time;
 mod paper_manoeuvre;
 mod properties;
 mod random_rigs;

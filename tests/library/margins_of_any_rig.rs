@@ -1,6 +1,6 @@
 //! Margins of the certificate for more than six cables and for pulleys, against plants with everything wrong at once that they allow.
 
-use cable_robot::control::{Gains, lyapunov};
+use cable_robot::control::{Gains, Reference, lyapunov};
 use cable_robot::reach::certificate::{Margins, Step, Verdict, certify, certify_with_margins};
 use cable_robot::robot::{Coordinates, Pose, Pulley, Rig, RigFile};
 use cable_robot::sim::{Plant, PlantInputs, PlantParameters};
@@ -96,9 +96,15 @@ fn run(rng: &mut Pcg64, case: &Case, step: &Step) -> [f64; 2] {
             inputs.disturbance_torque = random_vector(rng, margins.torque);
         }
         let (pose, rates) = seen;
-        inputs.motor_tension =
-            lyapunov::tension_command(rig, &step.gains, &pose, &rates, &step.set_point, margins.law_margin)
-                .unwrap();
+        inputs.motor_tension = lyapunov::tension_command(
+            rig,
+            &step.gains,
+            &pose,
+            &rates,
+            &Reference::resting(&step.set_point),
+            margins.law_margin,
+        )
+        .unwrap();
         seen = state(&plant); // used one period later
         plant.step(&inputs, margins.sample_period).unwrap();
         for u in inputs.motor_tension.into_iter().chain(plant.outputs().measured_tension) {

@@ -1,7 +1,7 @@
 //! What must hold everywhere, on seeded random cases.
 
 use crate::common::ClosedLoop;
-use cable_robot::control::{Gains, lyapunov};
+use cable_robot::control::{Gains, Reference, lyapunov};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::reach::in_static_workspace;
 use cable_robot::robot::{
@@ -57,7 +57,8 @@ fn sliding(gains: &Gains, plant: &Plant, set_point: &Pose) -> Coordinates {
     let pose = output.encoder_pose;
     let angle_rates = pose.rate_matrix().try_inverse().unwrap() * output.angular_velocity;
     let (v, w) = (output.velocity, angle_rates);
-    lyapunov::sliding_variable(gains, &pose, &Coordinates::new(v.x, v.y, v.z, w.x, w.y, w.z), set_point)
+    let rates = Coordinates::new(v.x, v.y, v.z, w.x, w.y, w.z);
+    lyapunov::sliding_variable(gains, &pose, &rates, &Reference::resting(set_point))
 }
 
 /// V's fall over a step of `h` seconds with the tensions held, in units of what (6) says at its start: from 1,000 random states in
@@ -72,7 +73,9 @@ fn fall_in_units_of_6(h: f64) -> Vec<f64> {
         let rates = Coordinates::from_fn(|_, _| rng.random_range(-0.1..0.1));
         let mut set_point = pose;
         set_point.0.fixed_rows_mut::<3>(0).copy_from(&(pose.position() + offset));
-        let tension = lyapunov::tension_command(&rig, &gains, &pose, &rates, &set_point, 0.0).unwrap();
+        let tension =
+            lyapunov::tension_command(&rig, &gains, &pose, &rates, &Reference::resting(&set_point), 0.0)
+                .unwrap();
         if tension.iter().any(|u| *u <= 0.0) {
             continue;
         }

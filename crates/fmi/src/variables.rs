@@ -49,6 +49,8 @@ pub enum Shape {
     Pose,
     /// The rates of a pose, in m/s and rad/s.
     PoseRate,
+    /// Their accelerations, in m/s² and rad/s².
+    PoseAcceleration,
     /// `[1]`, `[2]` and so on, one a cable.
     Cables,
     /// `[1].x`, `[1].y`, `[1].z`, `[2].x` and so on.
@@ -262,7 +264,7 @@ impl Row {
             Shape::Scalar => 1,
             Shape::Vector => 3,
             Shape::Quaternion => 4,
-            Shape::Pose | Shape::PoseRate | Shape::Tensor => 6,
+            Shape::Pose | Shape::PoseRate | Shape::PoseAcceleration | Shape::Tensor => 6,
             Shape::Cables => cables,
             Shape::CableVectors => 3 * cables,
         }
@@ -298,7 +300,9 @@ impl Row {
                 return format!("{}[{}].{axis}", self.name, position / 3 + 1);
             }
             Shape::Vector => &["x", "y", "z"][..],
-            Shape::Pose | Shape::PoseRate => &["x", "y", "z", "roll", "pitch", "yaw"],
+            Shape::Pose | Shape::PoseRate | Shape::PoseAcceleration => {
+                &["x", "y", "z", "roll", "pitch", "yaw"]
+            }
             Shape::Tensor => &["xx", "yy", "zz", "xy", "xz", "yz"],
             Shape::Quaternion => &["w", "x", "y", "z"],
         };
@@ -320,6 +324,8 @@ impl Row {
             (Shape::Pose, true) => Some(&units::RADIAN),
             (Shape::PoseRate, false) => Some(&units::METRE_PER_SECOND),
             (Shape::PoseRate, true) => Some(&units::RADIAN_PER_SECOND),
+            (Shape::PoseAcceleration, false) => Some(&units::METRE_PER_SECOND2),
+            (Shape::PoseAcceleration, true) => Some(&units::RADIAN_PER_SECOND2),
             _ => self.unit,
         }
     }

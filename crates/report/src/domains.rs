@@ -23,6 +23,8 @@ pub fn domain(history: &History, before: usize, row: usize) -> Option<Vec<[f64; 
             let domain = BoundedDomain::new(robot, &gains, from.xy(), from.z);
             vertices(&domain.half_planes(), 2.0 * robot.a)
         }
+        // It looks for a motion, not for a set point.
+        PlannerKind::MinimumTime => None,
         PlannerKind::Exact => {
             let (pose, rates) = &estimate[row];
             if [pose, &history.set_point[row]].iter().any(|pose| pose.angles().amax() > LEVEL) {

@@ -20,6 +20,9 @@ pub fn as_text(plan: &Plan, planned: &Sequence, parameters: &ControllerParameter
     if let Some((step, u)) = planned.smallest {
         let _ = writeln!(text, "smallest tension: {} in step {step}", described(&u));
     }
+    if let Some(duration) = planned.duration {
+        let _ = writeln!(text, "takes {duration:.4} s");
+    }
     if planned.given_up {
         let at = planned.set_points.last().unwrap_or(&plan.from);
         let left = distance(plan, parameters, at);
@@ -59,14 +62,20 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             "  at the goal the wrench matrix is singular: there is a force or torque that no tensions give\n";
     }
     let is_level = (plan.to.0[2] - plan.from.0[2]).abs() <= parameters.rest().position;
-    let is_of_bounded = parameters.planner == PlannerKind::Bounded && (plan.is_turned() || !is_level);
-    if is_of_bounded {
-        if plan.is_turned() {
-            *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
-        }
-        if !is_level {
-            *text += "  it is at another height: planner bounded keeps the height of the start, planner exact does not\n";
-        }
+    let (planner, key) = (parameters.planner, parameters.planner.key());
+    let is_turned = planner != PlannerKind::Exact && plan.is_turned();
+    let is_elsewhere = planner == PlannerKind::Bounded && !is_level;
+    if is_turned {
+        let _ = writeln!(
+            text,
+            "  the goal is turned: planner {key} keeps zero orientation, planner exact does not"
+        );
+    }
+    if is_elsewhere {
+        let _ = writeln!(
+            text,
+            "  it is at another height: planner {key} keeps the height of the start, planner exact does not"
+        );
     }
     let is_steep = plan.to.0[PITCH].abs() >= STEEPEST;
     if is_steep {
@@ -97,15 +106,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
             }
         }
-        _ if obstacle.barrier.is_some() || is_steep || is_of_bounded => {}
+        _ if obstacle.barrier.is_some() || is_steep || is_turned || is_elsewhere => {}
         _ => {
             let why = match parameters.planner {
                 PlannerKind::Bounded => "every tension at rest keeps 0.17 % of the weight from its limits",
-                PlannerKind::Exact => {
+                PlannerKind::Exact | PlannerKind::MinimumTime => {
                     "every tension keeps 0.17 % of the weight from its limits, and more on quick steps"
                 }
             };
-            let _ = writeln!(text, "  planner {} has no step to it: {why}", parameters.planner.key());
+            let _ = writeln!(text, "  planner {key} has no step to it: {why}");
         }
     }
     match &obstacle.nearest {
@@ -160,6 +169,7 @@ pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameter
         "reachable": if planned.given_up { Value::Null } else { planned.is_complete().into() },
         "setPoints": planned.set_points.iter().map(pose).collect::<Vec<_>>(),
         "smallestTension": smallest,
+        "duration": planned.duration,
         "obstacle": obstacle,
     })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use cable_robot::control::{Gains, lyapunov};
+use cable_robot::control::{Gains, Reference, lyapunov};
 use cable_robot::reach::certificate::{self, Step, Verdict, certify, certify_with_margins};
 use cable_robot::robot::{Coordinates, Pose, Rig, RobotParameters, TensionLimits};
 use cable_robot_import::Fmu;
@@ -179,7 +179,7 @@ fn random_case(rng: &mut Pcg64) -> (Case, Truth) {
 /// states one period old.
 fn run(fmu: &Fmu, rng: &mut Pcg64, step: &Step, rig: &Rig, truth: &Truth) -> Result<([f64; 2], bool)> {
     let law = |(pose, rates): &(Pose, Coordinates)| {
-        lyapunov::tension_command(rig, &step.gains, pose, rates, &step.set_point, 0.0)
+        lyapunov::tension_command(rig, &step.gains, pose, rates, &Reference::resting(&step.set_point), 0.0)
             .context("the law met a singular pose")
     };
     let mut told = (step.start, step.rates);

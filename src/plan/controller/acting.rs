@@ -1,7 +1,7 @@
 //! What the controller gives: the tensions of the law, for when they act.
 
 use super::{Controller, Mode, least};
-use crate::control::{Estimator, Response, lyapunov};
+use crate::control::{Estimator, Reference, Response, lyapunov, tensions};
 use crate::plan::fault::{Check, Fault};
 use crate::plan::interface::ControllerInputs;
 use crate::plan::stop::Stop;
@@ -12,8 +12,9 @@ impl Controller {
     pub(super) fn act(&mut self, inputs: &ControllerInputs, dt: f64) {
         if self.mode == Mode::Active {
             let state = self.when_it_acts();
-            match self.law(&state) {
-                Some(tension) => self.pull(&tension, &state, inputs, dt),
+            let reference = self.followed();
+            match self.law(&state, &reference) {
+                Some(tension) => self.pull(&tension, &state, &reference, inputs, dt),
                 None => {
                     let fault = Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose });
                     self.mode = self.fault(fault, self.time);
@@ -29,25 +30,47 @@ impl Controller {
         self.report(&inputs.goal_pose);
     }
 
-    /// The tensions of a stop in the middle of the interval in which they act.
+    /// The tensions of a stop in the middle of the interval in which they act: of the course, if it was on one.
     fn braking(&self, stop: &Stop) -> PerCable<f64> {
         let parameters = &self.planner.parameters;
         let middle = self.time + parameters.command_delay + 0.5 * self.hold[0];
-        let tension = self.planner.tensions_of(stop, middle);
+        let tension = match &self.course {
+            Some(course) => {
+                let Reference { pose, rates, accelerations } = course.at(middle);
+                tensions(self.planner.rig(), &pose, &rates, &accelerations, self.planner.allowance())
+            }
+            None => self.planner.tensions_of(stop, middle),
+        };
         self.limited(tension.unwrap_or(least(&self.planner)))
     }
 
-    fn law(&self, (pose, rates): &(Pose, Coordinates)) -> Option<PerCable<f64>> {
+    fn law(&self, (pose, rates): &(Pose, Coordinates), reference: &Reference) -> Option<PerCable<f64>> {
         let gains = self.planner.parameters.gains();
         let margin = self.planner.allowance();
-        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, &self.outputs.set_point, margin)
+        lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, reference, margin)
+    }
+
+    /// The reference for which the command of this step is computed, with the mean of its accelerations over the interval in which it acts.
+    fn followed(&self) -> Reference {
+        let begin = self.time + self.foreseen_delay();
+        let hold = self.hold[0];
+        let mut reference = self.reference(if self.is_compensated() { begin + 0.5 * hold } else { begin });
+        if self.course.is_some() && hold > 0.0 {
+            let [before, after] = [begin, begin + hold].map(|time| self.reference(time).rates);
+            reference.accelerations = (after - before) / hold;
+        }
+        reference
+    }
+
+    fn is_compensated(&self) -> bool {
+        self.planner.parameters.hold_compensation
     }
 
     /// Pose and rates when the command of this step begins to act: with `holdCompensation` the estimate carried through the commands that are on
     /// their way, else the estimate.
     pub(super) fn when_it_begins_to_act(&self) -> (Pose, Coordinates) {
         let Estimator { pose, rates, .. } = self.estimator;
-        if !self.planner.parameters.hold_compensation {
+        if !self.is_compensated() {
             return (pose, rates);
         }
         let acts = self.time + self.foreseen_delay();
@@ -58,19 +81,21 @@ impl Controller {
     /// to act in the middle of the interval in which it does.
     fn when_it_acts(&self) -> (Pose, Coordinates) {
         let (pose, rates) = self.when_it_begins_to_act();
-        let parameters = &self.planner.parameters;
-        if !parameters.hold_compensation {
+        if !self.is_compensated() {
             return (pose, rates);
         }
-        let middle = Response::at(&parameters.gains(), 0.5 * self.hold[0]);
-        let (pose, rates, _) = middle.motion_of(&pose, &rates, &self.outputs.set_point);
-        (pose, rates)
+        let begins = self.reference(self.time + self.foreseen_delay());
+        let middle = Response::at(&self.planner.parameters.gains(), 0.5 * self.hold[0]);
+        let [error, change, _] = middle.error_of(&pose.minus(&begins.pose), &(rates - begins.rates));
+        let followed = self.followed();
+        (Pose(followed.pose.0 + error), followed.rates + change)
     }
 
     fn pull(
         &mut self,
         tension: &PerCable<f64>,
         state: &(Pose, Coordinates),
+        reference: &Reference,
         inputs: &ControllerInputs,
         dt: f64,
     ) {
@@ -81,26 +106,26 @@ impl Controller {
             desired
         };
         self.outputs.motor_tension = self.limited(command);
-        let imposed = self.imposed(state, &desired, desired != *tension) - self.disturbing();
+        let imposed = self.imposed(state, reference, &desired, desired != *tension) - self.disturbing();
         self.commands.send(self.time, self.time + self.foreseen_delay(), imposed);
     }
 
     /// How much later than its measurement a command is reckoned to act, s.
     pub(super) fn foreseen_delay(&self) -> f64 {
-        let parameters = &self.planner.parameters;
-        if parameters.hold_compensation { parameters.command_delay } else { 0.0 }
+        if self.is_compensated() { self.planner.parameters.command_delay } else { 0.0 }
     }
 
     /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
     fn imposed(
         &self,
         (pose, rates): &(Pose, Coordinates),
+        reference: &Reference,
         pulled: &PerCable<f64>,
         is_clipped: bool,
     ) -> Coordinates {
         if is_clipped {
             return dynamics::accelerations(self.planner.rig(), pose, rates, pulled);
         }
-        lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, &self.outputs.set_point)
+        lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, reference)
     }
 }

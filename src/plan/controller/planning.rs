@@ -2,6 +2,7 @@
 
 use super::{Controller, Mode};
 use crate::plan::aim::WORK;
+use crate::plan::interface::PlannerKind;
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::prediction::{Motion, Prediction};
 use crate::plan::tuning::{Pending, Tuning};
@@ -67,7 +68,10 @@ impl Controller {
         // A new set point changes the motion only from where its first command acts.
         let (pose, rates) = self.when_it_begins_to_act();
         let then = Situation { pose: &pose, rates: &rates, ..self.situation() };
-        let next = self.planner.next_set_point(&then, &self.aim);
+        let next = match self.planner.parameters.planner {
+            PlannerKind::MinimumTime => self.set_out(&pose, &rates),
+            PlannerKind::Bounded | PlannerKind::Exact => self.planner.next_set_point(&then, &self.aim),
+        };
         let stuck = self.is_steady()
             && next.is_none()
             && set_point != self.aim
@@ -82,6 +86,15 @@ impl Controller {
             self.outputs.steady = false;
         }
         self.predict();
+    }
+
+    /// Begins the course to where the planner makes for, from where the robot will be when its first command acts.
+    fn set_out(&mut self, pose: &Pose, rates: &Coordinates) -> Option<Pose> {
+        let then = Situation { pose, rates, ..self.situation() };
+        let begin = self.time + self.foreseen_delay();
+        let course = self.planner.course(&then, self.course.as_ref(), begin, &self.aim)?;
+        self.course = Some(course);
+        Some(self.aim)
     }
 
     /// The goal, or the one before if it differs by so little that no step is worth it. The search for where the planner makes for takes a
@@ -109,7 +122,16 @@ impl Controller {
         let (pose, rates) = self.when_it_begins_to_act();
         let begins = self.time + self.foreseen_delay();
         let hold = self.situation().hold;
-        self.prediction = prediction(&self.planner, (&pose, &rates), &self.outputs.set_point, begins, hold);
+        self.prediction = match &self.course {
+            Some(course) if begins < course.end() => Prediction::of_course(
+                self.planner.rig(),
+                course,
+                &self.planner.parameters.gains(),
+                (&pose, &rates),
+                begins,
+            ),
+            _ => prediction(&self.planner, (&pose, &rates), &self.outputs.set_point, begins, hold),
+        };
     }
 }
 

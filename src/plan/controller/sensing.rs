@@ -80,6 +80,9 @@ impl Controller {
     /// From now on the robot brakes from the last good state, known at `since` (s), and gravity is held where that ends.
     pub(super) fn fault(&mut self, fault: Fault, since: f64) -> Mode {
         self.outputs.fault = fault;
+        // Where a command that is computed now begins to act, if it is on a course.
+        let turn = self.time + self.planner.parameters.command_delay;
+        self.course = self.course.as_ref().and_then(|course| course.stopped(turn));
         let Estimator { pose, rates, .. } = self.estimator;
         Mode::Faulted(Stop { pose, rates, since, at: self.planner.stop(&self.situation()) })
     }

@@ -68,6 +68,19 @@ impl Line {
         self.direction
     }
 
+    /// The tensions at a place with an acceleration along the line, N: u = m l G/(3 a z).
+    pub fn tensions(&self, s: f64, acceleration: f64) -> [f64; SIX] {
+        let RobotParameters { a, b, m, g, .. } = self.robot;
+        let (point, ends) = (self.point(s), ends(a, b));
+        std::array::from_fn(|i| {
+            let (anchor, attachment) = ends[i];
+            let h = 0.5 * a - FACET_NORMALS[i].dot(&point.xy());
+            let kappa = self.direction.z * h + point.z * FACET_NORMALS[i].dot(&self.direction.xy());
+            let length = (anchor - attachment - point).norm();
+            m * length * (g * h - kappa * acceleration) / (3.0 * a * point.z)
+        })
+    }
+
     /// The fastest motion from its start, with the speed `v0` (m/s) there, to rest at its end, no faster than `fastest` (m/s). `None` where the robot cannot rest
     /// somewhere on the line with its tensions within the limits, where it is too fast at the start, and on a way straight down that no greatest tension limits.
     pub fn fastest(&self, v0: f64, fastest: f64) -> Option<Timing> {

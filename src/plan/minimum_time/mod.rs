@@ -1,8 +1,12 @@
 //! The fastest motions with every tension within its limits. Derived in docs/minimum-time.md.
 
 mod arc;
+mod course;
 mod envelope;
+mod holding;
 pub mod line;
+mod planning;
 
 pub use arc::{Along, Arc, Timing};
+pub use course::Course;
 pub use line::Line;

@@ -8,7 +8,7 @@ use super::Interface;
 use super::robot::{limits_of_cables, parameters, rig_with_limits, write_limits, write_rig, write_robot};
 use crate::values::Values;
 use crate::variables::{Kind, Row};
-use cable_robot::control::static_tensions;
+use cable_robot::control::{Reference, static_tensions};
 use cable_robot::plan::{
     Check, Controller, ControllerInputs, ControllerOutputs, ControllerParameters, Fault, Pending,
     PlannerKind, PoseSource, Status, Tuning,
@@ -144,6 +144,9 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&MOTOR_TENSION, outputs.motor_tension);
     values.write(&SET_POINT, outputs.set_point.0.iter().copied());
     values.write(&SET_POINT_INDEX, [outputs.set_point_index.into()]);
+    values.write(&REFERENCE, outputs.reference.pose.0.iter().copied());
+    values.write(&REFERENCE_VELOCITY, outputs.reference.rates.iter().copied());
+    values.write(&REFERENCE_ACCELERATION, outputs.reference.accelerations.iter().copied());
     values.write(&ESTIMATED_POSE, outputs.estimated_pose.0.iter().copied());
     values.write(&ESTIMATED_VELOCITY, outputs.estimated_velocity.iter().copied());
     values.write(&STEADY, [outputs.steady.into()]);
@@ -235,6 +238,11 @@ pub fn outputs(values: &Values) -> ControllerOutputs {
         motor_tension: values.cables(&MOTOR_TENSION),
         set_point: values.pose(&SET_POINT),
         set_point_index: values.integer(&SET_POINT_INDEX),
+        reference: Reference {
+            pose: values.pose(&REFERENCE),
+            rates: values.pose(&REFERENCE_VELOCITY).0,
+            accelerations: values.pose(&REFERENCE_ACCELERATION).0,
+        },
         estimated_pose: values.pose(&ESTIMATED_POSE),
         estimated_velocity: values.pose(&ESTIMATED_VELOCITY).0,
         steady: values.boolean(&STEADY),

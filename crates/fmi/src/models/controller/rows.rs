@@ -234,6 +234,18 @@ pub const PARAMETERS_PENDING: Row = Row {
         "0: all parameters act. 1: those changed since act from the planner's next decision on. 2: not yet, the motion under way is not proved to go on with them",
     )
 };
+pub const REFERENCE: Row = output(
+    243,
+    "reference",
+    Shape::Pose,
+    None,
+    MODE,
+    "What the law follows when the command of this step begins to act: the set point, or the motion to it",
+);
+pub const REFERENCE_VELOCITY: Row =
+    output(249, "referenceVelocity", Shape::PoseRate, None, &[], "Its rates: zero where it is a set point");
+pub const REFERENCE_ACCELERATION: Row =
+    output(255, "referenceAcceleration", Shape::PoseAcceleration, None, &[], "Its accelerations");
 
 /// In FMUs that show all of FMI 3.
 pub const PLANNER_TICK: Row = Row {
@@ -307,6 +319,9 @@ pub const ROWS: &[&Row] = &[
     &STATUS_NUMBER,
     &FAULT_NUMBER,
     &PARAMETERS_PENDING,
+    &REFERENCE,
+    &REFERENCE_VELOCITY,
+    &REFERENCE_ACCELERATION,
 ];
 
 /// The table of another rig.

@@ -1,0 +1,23 @@
+//! What the law follows: a set point at rest, or a motion.
+
+use serde::{Deserialize, Serialize};
+
+use crate::robot::{Coordinates, Pose};
+
+/// Pose, rates and accelerations that the law leads the robot to: r, r', r'' in the six coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// r
+    pub pose: Pose,
+    /// r', m/s and rad/s.
+    pub rates: Coordinates,
+    /// r'', m/s² and rad/s².
+    pub accelerations: Coordinates,
+}
+
+impl Reference {
+    /// A set point.
+    pub fn resting(pose: &Pose) -> Self {
+        Self { pose: *pose, rates: Coordinates::zeros(), accelerations: Coordinates::zeros() }
+    }
+}

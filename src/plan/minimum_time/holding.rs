@@ -1,0 +1,56 @@
+//! What tensions that are held from one command to the next may leave the motion along a line by. Derived in docs/minimum-time.md.
+
+use super::arc::Timing;
+use super::line::Line;
+use crate::control::Gains;
+use crate::robot::triangles::SIX;
+
+impl Line {
+    /// At most this much, N, for commands that are held for h and act d after they were computed, `span` = h (h + d) in s². To second order:
+    /// an arc's tensions change smoothly, a switch of arcs displaces the platform by an eighth of what it changes times h².
+    pub fn cost_of_holding(&self, timing: &Timing, gains: &Gains, span: f64) -> f64 {
+        let (mut first, mut second) = (0.0f64, 0.0f64);
+        let arcs = timing.arcs();
+        for k in 0..arcs.len() {
+            let end = arcs.get(k + 1).map_or(timing.duration, |next| next.begin);
+            let length = end - arcs[k].begin;
+            // What a shorter one changes counts with the switches.
+            if length * length <= span {
+                continue;
+            }
+            let [start, middle, end] = [0.0, 0.5, 1.0].map(|share| {
+                let [s, _, a] = arcs[k].at(share * length);
+                self.tensions(s, a)
+            });
+            for i in 0..SIX {
+                // Of the parabola through the three.
+                let bend = start[i] - 2.0 * middle[i] + end[i];
+                first = first.max(((end[i] - start[i]).abs() + 2.0 * bend.abs()) / length);
+                second = second.max(4.0 * bend.abs() / (length * length));
+            }
+        }
+        let sum = gains.lambda + gains.eta;
+        let of_switches = gains.omega_n_squared() * self.change(timing) / 8.0;
+        span * (sum * first / 8.0 + (1.0 + 2.0 * gains.z_m()) * second / 24.0 + of_switches)
+    }
+
+    /// What the tension of a cable changes by at most on the way, N.
+    pub fn change(&self, timing: &Timing) -> f64 {
+        let (mut least, mut greatest) = ([f64::INFINITY; SIX], [f64::NEG_INFINITY; SIX]);
+        let mut include = |tension: [f64; SIX]| {
+            for i in 0..SIX {
+                least[i] = least[i].min(tension[i]);
+                greatest[i] = greatest[i].max(tension[i]);
+            }
+        };
+        let arcs = timing.arcs();
+        for k in 0..arcs.len() {
+            let end = arcs.get(k + 1).map_or(timing.duration, |next| next.begin);
+            for at in [0.0, end - arcs[k].begin] {
+                let [s, _, a] = arcs[k].at(at);
+                include(self.tensions(s, a));
+            }
+        }
+        (0..SIX).map(|i| greatest[i] - least[i]).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,135 @@
+//! `MinimumTime` in closed loop: as fast as planned, and taut, whatever goals come when.
+
+use cable_robot::control::static_margin;
+use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
+use cable_robot::robot::triangles::FACET_NORMALS;
+use cable_robot::robot::{Pose, TensionLimits};
+use cable_robot::sim::{ClosedLoop, PlantParameters};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+fn parameters(planner: PlannerKind, gain: f64) -> ControllerParameters {
+    ControllerParameters { planner, lambda: gain, eta: gain, ..Default::default() }
+}
+
+fn closed_loop(parameters: ControllerParameters, start: Pose) -> ClosedLoop {
+    let plant = PlantParameters { rig: parameters.rig, initial_pose: start, ..Default::default() };
+    ClosedLoop::new(parameters, plant, start).unwrap()
+}
+
+/// Seconds until the robot, from rest, stays within 2 % of the way to the goal, and until it counts as being there; at 1 kHz, gains of 3.
+fn times_to_goal(planner: PlannerKind, goal: Pose) -> [f64; 2] {
+    let start = Pose::default();
+    let mut run = closed_loop(parameters(planner, 3.0), start);
+    run.goal = goal;
+    let way = goal.minus(&start).norm();
+    let mut since = [f64::NAN; 2];
+    while run.moment().time < 10.0 {
+        let moment = run.step(1e-3).unwrap();
+        assert_eq!(moment.plant.slack, [false; 6]);
+        let is_near = moment.plant.encoder_pose.minus(&goal).norm() <= 0.02 * way;
+        for (since, is_so) in since.iter_mut().zip([is_near, moment.controller.at_goal]) {
+            *since = if !is_so { f64::NAN } else { since.min(moment.time) };
+        }
+    }
+    since
+}
+
+#[test]
+fn the_papers_move_is_made_in_the_time_that_was_planned() {
+    let goal = Pose::at(0.15, 0.15, 1.0);
+    let [bounded, exact, fastest] = PlannerKind::ALL.map(|planner| times_to_goal(planner, goal));
+    let planner = Planner::from(parameters(PlannerKind::MinimumTime, 3.0));
+    let planned = planner.course_from_rest(&Pose::default(), &goal).unwrap().end();
+    println!(
+        "planned {planned:.4} s; within 2 %, and at the goal, s: {fastest:.3?}, Exact {exact:.3?}, Bounded {bounded:.3?}"
+    );
+    assert!(fastest[1] <= 1.02 * planned + 2e-3);
+    assert!(exact[1] > 4.0 * fastest[1] && bounded[1] > 12.0 * fastest[1]);
+    assert!(exact[0] > 3.7 * fastest[0] && bounded[0] > 12.0 * fastest[0]);
+}
+
+fn inside(rng: &mut Pcg64) -> Pose {
+    loop {
+        let mut any = |size: f64| rng.random_range(-size..size);
+        let pose = Pose::at(any(0.25), any(0.25), 1.0 + any(0.4));
+        if FACET_NORMALS.iter().all(|n| n.dot(&pose.position().xy()) < 0.22) {
+            return pose;
+        }
+    }
+}
+
+/// Goals at random times, reached or not: of any height.
+#[test]
+fn goals_that_change_on_the_way_slacken_no_cable() {
+    let mut rng = Pcg64::seed_from_u64(8);
+    for (gain, step, is_late) in
+        [(3.0, 1e-3, false), (3.0, 4e-3, true), (8.0, 1e-3, true), (8.0, 4e-3, false), (3.0, 20e-3, false)]
+    {
+        let (mut least, mut reached, mut goals) = (f64::INFINITY, 0, 0);
+        for _ in 0..6 {
+            let mut parameters = parameters(PlannerKind::MinimumTime, gain);
+            parameters.rig = parameters.rig.with_limits(TensionLimits { min: 0.5, max: 60.0 });
+            parameters.command_delay = if is_late { step } else { 0.0 };
+            let start = std::iter::repeat_with(|| inside(&mut rng));
+            let start = start.filter(|start| static_margin(&parameters.rig, start) > 0.2).next().unwrap();
+            let mut run = closed_loop(parameters, start);
+            run.is_late = is_late;
+            for _ in 0..8 {
+                run.goal = inside(&mut rng);
+                goals += 1;
+                let patience =
+                    if rng.random_range(0.0..1.0) < 0.6 { rng.random_range(0.05..0.6) } else { 3.0 };
+                let begin = run.moment().time;
+                let mut promised = 0.0f64;
+                while run.moment().time < begin + patience {
+                    let moment = run.step(step).unwrap();
+                    assert_eq!(moment.plant.slack, [false; 6], "{parameters:?} {moment:?}");
+                    let commanded = moment.controller.motor_tension;
+                    let smallest = commanded.into_iter().fold(f64::INFINITY, f64::min);
+                    assert!(commanded.into_iter().all(|tension| tension < 60.0));
+                    // From the decision that took up the goal on.
+                    let is_taken_up = moment.time > begin + parameters.planner_period + 2.0 * step;
+                    assert!(!is_taken_up || smallest > promised - 1e-3, "{smallest} {promised} {moment:?}");
+                    promised = if is_taken_up { promised.max(moment.controller.tension_margin) } else { 0.0 };
+                    least = least.min(smallest);
+                }
+                reached += usize::from(run.moment().controller.status == Status::AtGoal);
+            }
+        }
+        println!("gains {gain}, {step} s, late {is_late}: least {least:.3} N, {reached} of {goals} reached");
+        assert!(reached * 5 > goals && least > 0.55);
+    }
+}
+
+/// The pose is lost on the way: the robot stops on the line that it is on, and hangs there.
+#[test]
+fn a_lost_pose_ends_in_a_stop_on_the_line() {
+    for (gain, share, delay) in [(3.0, 0.2, 0.0), (3.0, 0.5, 1e-3), (8.0, 0.45, 0.0), (8.0, 0.8, 4e-3)] {
+        let mut parameters = parameters(PlannerKind::MinimumTime, gain);
+        parameters.command_delay = delay;
+        let (start, goal) = (Pose::at(-0.1, -0.1, 0.9), Pose::at(0.12, 0.1, 1.1));
+        let duration = Planner::from(parameters).course_from_rest(&start, &goal).unwrap().end();
+        let mut run = closed_loop(parameters, start);
+        run.is_late = delay > 0.0;
+        run.goal = goal;
+        let step = if delay > 0.0 { delay } else { 1e-3 };
+        while run.moment().time < share * duration {
+            run.step(step).unwrap();
+        }
+        let seen = run.moment().plant.encoder_pose;
+        let end = run.moment().time + 1.0;
+        while run.moment().time < end {
+            let moment =
+                run.step_seeing(step, |inputs| inputs.encoder_pose = Pose::at(0.0, 0.0, 9.0)).unwrap();
+            assert_eq!(moment.plant.slack, [false; 6]);
+        }
+        let moment = run.moment();
+        let (at, speed) = (moment.plant.encoder_pose, moment.plant.velocity.norm());
+        let (way, gone) = (goal.position() - start.position(), at.position() - start.position());
+        let aside = (gone - way * (gone.dot(&way) / way.norm_squared())).norm();
+        println!("{gain} {share}: {speed:.4} m/s left, {:.1} mm aside", 1e3 * aside);
+        assert_eq!(moment.controller.status, Status::SensorFault);
+        assert!(speed < 0.03 && aside < 5e-3 && at.minus(&seen).norm() < 0.25, "{moment:?}");
+    }
+}
