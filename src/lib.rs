@@ -56,6 +56,7 @@
 //! | -Jᵀ | [`robot::Cables::wrench_matrix`] | | tensions to force and torque on the platform |
 //! | λ, η | `lambda`, `eta` | 1/s | gains of (2) and (4) |
 //! | ω_n, ξ, Z_M | `omega_n`, `xi`, `z_m` | 1/s, -, - | (8), (9), (14) |
+//! | r, r', r'' | [`control::Reference`] | | what the law follows |
 //! | s, V | `sliding_variable`, `lyapunov_function` | | (2), (3) |
 //! | x_d^i, x_f | `set_point`, `goal` | | active set point, goal |
 //! | β, N, T_s | `beta`, `bisection_steps`, `planner_period` | -, -, s | (17), Table II |
