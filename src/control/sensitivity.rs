@@ -89,6 +89,32 @@ impl<'a> Sensitivity<'a> {
         self.greatest(|row| row.abs().dot(&wrench))
     }
 
+    /// For this wrench (N, N m), N.
+    pub fn of_wrench(&self, wrench: &Vector6<f64>) -> f64 {
+        self.greatest(|row| row.dot(wrench).abs())
+    }
+
+    /// For an error of the pose and of the rates (m, rad, and those a second) that the law takes back, to first order: b and c of b f + c φ for each cable, N and
+    /// N/s, with f and φ of [`Response`](super::Response).
+    ///
+    /// Of cable i it is (A e + B e'')_i with e = e₀ f + e₀' φ. A is what a shift changes while the tensions are held, B what an acceleration does.
+    pub fn of_error(&self, error: &Coordinates, rates: &Coordinates, gains: &Gains) -> PerCable<[f64; 2]> {
+        /// s, so that a speed is a small way.
+        const SHORT: f64 = 1e-3;
+        let (sum, omega2) = (gains.lambda + gains.eta, gains.omega_n_squared());
+        let pulled = |by: Coordinates| {
+            let (force, torque) = self.rig.cables_at(&Pose(self.pose.0 + by)).wrench(&self.tensions);
+            Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
+        };
+        let at_rest = pulled(Coordinates::zeros());
+        let (a_e, a_v) = (at_rest - pulled(*error), (at_rest - pulled(rates * SHORT)) / SHORT);
+        let [b_e, b_v] = [error, rates].map(|by| wrench_of(self.rig, &self.pose, by));
+        // f'' = -ω² f + ω² S φ, φ'' = -S f + (S² - ω²) φ.
+        let of_f = a_e - b_e * omega2 - b_v * sum;
+        let of_phi = a_v + b_e * (omega2 * sum) + b_v * (sum * sum - omega2);
+        PerCable::from_fn(self.inverse.len(), |i| [self.inverse[i].dot(&of_f), self.inverse[i].dot(&of_phi)])
+    }
+
     fn greatest(&self, change: impl Fn(&Vector6<f64>) -> f64) -> f64 {
         self.inverse.iter().map(change).fold(0.0, f64::max)
     }

@@ -16,18 +16,13 @@ pub enum PlannerKind {
     Bounded = 1,
     /// Every step that the certificate proves, in all six coordinates and from any state: a set point at every tick.
     Exact = 2,
-    /// The fastest motion along a straight line: of the paper's rig, level.
+    /// The fastest motion along the straight way, in all six coordinates.
     MinimumTime = 3,
 }
 
 impl PlannerKind {
-    /// All there are, in the order of their numbers.
+    /// All there are, in the order of their numbers. The first is of the paper's rig only, the others of any.
     pub const ALL: [Self; 3] = [Self::Bounded, Self::Exact, Self::MinimumTime];
-
-    /// Whether it plans for every rig, not for the paper's alone.
-    pub const fn is_of_any_rig(self) -> bool {
-        matches!(self, Self::Exact)
-    }
 
     /// Its name, and what it is, for people.
     pub const fn described(self) -> (&'static str, &'static str) {
@@ -39,7 +34,7 @@ impl PlannerKind {
             ),
             Self::MinimumTime => (
                 "MinimumTime",
-                "The fastest motion along a straight line, every tension within its limits: level ones",
+                "The fastest motion along the straight way that keeps every tension within its limits",
             ),
         }
     }
@@ -415,13 +410,11 @@ impl ControllerParameters {
     pub fn validate(&self) -> Result<(), ParameterError> {
         self.rig.validate()?;
         self.check_settings()?;
-        if !self.planner.is_of_any_rig()
+        if self.planner == PlannerKind::Bounded
             && let Err(other) = Shape::of(&self.rig)
         {
-            let name = self.planner.described().0;
-            let allowed = format!("{name} knows the paper's rig only, and {other}: choose Exact (2)");
-            let value = f64::from(self.planner as i32);
-            return Err(ParameterError { name: "planner".into(), value, allowed: allowed.into() });
+            let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
+            return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
         }
         Ok(())
     }

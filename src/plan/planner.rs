@@ -120,7 +120,6 @@ impl Planner {
     pub(super) fn search(&self, from: &Pose, goal: &Pose) -> Search {
         match self.parameters.planner {
             PlannerKind::Bounded => Search::ended(goal, goal),
-            PlannerKind::MinimumTime if !self.is_level_move(goal, goal) => Search::ended(goal, goal),
             PlannerKind::Exact | PlannerKind::MinimumTime => self.nearest_rest(from, goal),
         }
     }
@@ -150,8 +149,7 @@ impl Planner {
     pub fn is_reachable(&self, from: &Pose, goal: &Pose) -> bool {
         match self.parameters.planner {
             PlannerKind::Bounded => self.is_horizontal(from, goal) && self.rests_at(goal, 0.0),
-            PlannerKind::Exact => self.rests_at(goal, 0.0),
-            PlannerKind::MinimumTime => self.is_level_move(from, goal) && self.rests_at(goal, 0.0),
+            PlannerKind::Exact | PlannerKind::MinimumTime => self.rests_at(goal, 0.0),
         }
     }
 

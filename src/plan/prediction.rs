@@ -38,41 +38,10 @@ impl Prediction {
     /// Predicts the motion that begins at `time`; more than six cables keep `margin` (N) from their limits. Holding the commands is taken
     /// to cost `held` of what the tension of a cable changes by from then on. Where the wrench matrix is singular no tension counts as sure: zero.
     pub fn new(rig: &Rig, motion: &Motion, time: f64, margin: f64, held: f64) -> Self {
-        let Motion { pose, rates, set_point, gains } = motion;
-        let along = |t: f64| Response::at(gains, t).motion_of(pose, rates, set_point);
-        Self::along(rig, along, Instants::of(gains), time, margin, held)
-    }
-
-    /// The same on a course, which leads the robot from a state at `time` (s) on; at its end it is taken to rest.
-    pub fn of_course(
-        rig: &Rig,
-        course: &Course,
-        gains: &Gains,
-        (pose, rates): (&Pose, &Coordinates),
-        time: f64,
-    ) -> Self {
-        let begins = course.at(time);
-        let (error, change) = (pose.minus(&begins.pose), rates - begins.rates);
-        let along = |t: f64| {
-            let led = course.at(time + t);
-            let [e, de, dde] = Response::at(gains, t).error_of(&error, &change);
-            (Pose(led.pose.0 + e), led.rates + de, led.accelerations + dde)
-        };
-        let mut prediction = Self::along(rig, along, Instants::until(course.end() - time), time, 0.0, 0.0);
-        prediction.smallest.iter_mut().for_each(|smallest| *smallest -= course.held());
-        prediction
-    }
-
-    fn along(
-        rig: &Rig,
-        motion: impl Fn(f64) -> (Pose, Coordinates, Coordinates),
-        instants: Instants,
-        time: f64,
-        margin: f64,
-        held: f64,
-    ) -> Self {
+        let instants = Instants::of(&motion.gains);
         let tensions_at = |place: f64| {
-            let (pose, rates, acceleration) = motion(instants.time(place));
+            let response = Response::at(&motion.gains, instants.time(place));
+            let (pose, rates, acceleration) = response.motion_of(motion.pose, motion.rates, motion.set_point);
             tensions(rig, &pose, &rates, &acceleration, margin)
         };
         let mut prediction = Self { made_at: time, instants, smallest: [0.0; INSTANTS] };
@@ -94,6 +63,32 @@ impl Prediction {
             range.include(here.as_ref());
             prediction.smallest[k] = range.smallest() - held * range.change();
             after = [here, after[0]];
+        }
+        prediction
+    }
+
+    /// The same on a course, which leads the robot from a state at `time` (s) on; at its end it is taken to rest. Its tensions jump from arc to arc, and on an
+    /// arc hardly any has a valley.
+    pub fn of_course(
+        rig: &Rig,
+        course: &Course,
+        gains: &Gains,
+        (pose, rates): (&Pose, &Coordinates),
+        time: f64,
+        margin: f64,
+    ) -> Self {
+        let begins = course.at(time);
+        let (error, change) = (pose.minus(&begins.pose), rates - begins.rates);
+        let instants = Instants::until(course.end() - time);
+        let mut prediction = Self { made_at: time, instants, smallest: [0.0; INSTANTS] };
+        let mut range = Range::none(rig.cables.len());
+        for k in (0..INSTANTS).rev() {
+            let t = instants.time(k as f64);
+            let led = course.at(time + t);
+            let [e, de, dde] = Response::at(gains, t).error_of(&error, &change);
+            let (pose, rates) = (Pose(led.pose.0 + e), led.rates + de);
+            range.include(tensions(rig, &pose, &rates, &(led.accelerations + dde), margin).as_ref());
+            prediction.smallest[k] = range.smallest() - course.held();
         }
         prediction
     }

@@ -62,20 +62,15 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
             "  at the goal the wrench matrix is singular: there is a force or torque that no tensions give\n";
     }
     let is_level = (plan.to.0[2] - plan.from.0[2]).abs() <= parameters.rest().position;
-    let (planner, key) = (parameters.planner, parameters.planner.key());
-    let is_turned = planner != PlannerKind::Exact && plan.is_turned();
-    let is_elsewhere = planner == PlannerKind::Bounded && !is_level;
-    if is_turned {
-        let _ = writeln!(
-            text,
-            "  the goal is turned: planner {key} keeps zero orientation, planner exact does not"
-        );
-    }
-    if is_elsewhere {
-        let _ = writeln!(
-            text,
-            "  it is at another height: planner {key} keeps the height of the start, planner exact does not"
-        );
+    let key = parameters.planner.key();
+    let is_of_bounded = parameters.planner == PlannerKind::Bounded && (plan.is_turned() || !is_level);
+    if is_of_bounded {
+        if plan.is_turned() {
+            *text += "  the goal is turned: planner bounded keeps zero orientation, planner exact does not\n";
+        }
+        if !is_level {
+            *text += "  it is at another height: planner bounded keeps the height of the start, planner exact does not\n";
+        }
     }
     let is_steep = plan.to.0[PITCH].abs() >= STEEPEST;
     if is_steep {
@@ -106,7 +101,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
             }
         }
-        _ if obstacle.barrier.is_some() || is_steep || is_turned || is_elsewhere => {}
+        _ if obstacle.barrier.is_some() || is_steep || is_of_bounded => {}
         _ => {
             let why = match parameters.planner {
                 PlannerKind::Bounded => "every tension at rest keeps 0.17 % of the weight from its limits",

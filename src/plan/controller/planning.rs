@@ -129,6 +129,7 @@ impl Controller {
                 &self.planner.parameters.gains(),
                 (&pose, &rates),
                 begins,
+                self.planner.allowance(),
             ),
             _ => prediction(&self.planner, (&pose, &rates), &self.outputs.set_point, begins, hold),
         };

@@ -1,20 +1,48 @@
-//! A motion under way: along one line, or to a stop on one and then along another.
+//! A motion under way: along one way, or to a stop on one and then along another.
 
 use serde::{Deserialize, Serialize};
 
 use super::arc::Timing;
 use super::line::Line;
+use super::path::Path;
 use crate::control::Reference;
-use crate::robot::{Coordinates, Pose};
+use crate::robot::{Coordinates, Pose, Rig};
 
-/// A line with a motion along it, in the rig's frame and on the controller's clock.
+/// A straight way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "boxing would allocate in a step")]
+pub enum Way {
+    /// Of the paper's robot, level: s in m.
+    Line(Line),
+    /// Of any: s from 0 to 1.
+    Path(Path),
+}
+
+impl Way {
+    /// In units of s.
+    pub(super) fn length(&self) -> f64 {
+        match self {
+            Self::Line(line) => line.length(),
+            Self::Path(_) => 1.0,
+        }
+    }
+
+    fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
+        match self {
+            Self::Line(line) => line.stop(s, v),
+            Self::Path(path) => path.stop(rig, s, v),
+        }
+    }
+}
+
+/// A way with a motion along it, in the rig's frame and on the controller's clock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Leg {
-    pub(super) line: Line,
+    pub(super) way: Way,
     pub(super) timing: Timing,
     /// When it begins, s.
     pub(super) begin: f64,
-    /// Where the line begins, and the rates of the coordinates at 1 m/s along it.
+    /// Where the way begins, and the rates of the coordinates at s' = 1.
     pub(super) from: Pose,
     pub(super) direction: Coordinates,
     /// What holding the commands costs on it, N.
@@ -23,7 +51,7 @@ pub struct Leg {
 
 impl Leg {
     /// When it ends, s.
-    fn end(&self) -> f64 {
+    pub(super) fn end(&self) -> f64 {
         self.begin + self.timing.duration
     }
 
@@ -41,13 +69,14 @@ impl Leg {
         }
     }
 
-    /// The stop that begins at a time (s) on it. `None` where the motion has ended.
-    fn stop(&self, time: f64) -> Option<Self> {
+    /// The stop that begins at a time (s) on it; where none is proved that ends before it does, itself.
+    fn stop(&self, rig: &Rig, time: f64) -> Self {
         let [s, v, _] = self.timing.at(time - self.begin);
-        if time >= self.end() || v <= 0.0 {
-            return None;
+        let stop = if v > 0.0 { self.way.stop(rig, s, v) } else { None };
+        match stop {
+            Some(timing) => Self { timing, begin: time, ..self.clone() },
+            None => self.clone(),
         }
-        Some(Self { timing: self.line.stop(s, v)?, begin: time, ..self.clone() })
     }
 }
 
@@ -79,14 +108,14 @@ impl Course {
         self.leg(time).at(time)
     }
 
-    /// The leg that brings it to rest soonest from a time (s) on; `None` where it rests. Proved with the course.
-    pub(super) fn stop(&self, time: f64) -> Option<Leg> {
-        self.leg(time).stop(time)
+    /// The leg that brings it to rest as soon as is proved from a time (s) on.
+    pub(super) fn stop(&self, rig: &Rig, time: f64) -> Leg {
+        self.leg(time).stop(rig, time)
     }
 
-    /// The course that stops from a time (s) on, as soon as can be; `None` where it rests.
-    pub fn stopped(&self, time: f64) -> Option<Self> {
-        Some(Self::new(self.stop(time)?, None))
+    /// The course that stops from a time (s) on, as soon as is proved.
+    pub fn stopped(&self, rig: &Rig, time: f64) -> Self {
+        Self::new(self.stop(rig, time), None)
     }
 
     fn leg(&self, time: f64) -> &Leg {

@@ -1,11 +1,14 @@
 //! The fastest motions with every tension within its limits. Derived in docs/minimum-time.md.
 
 mod arc;
+mod conditions;
 mod course;
 mod envelope;
 mod holding;
 pub mod line;
+pub mod path;
 mod planning;
+mod polygon;
 
 pub use arc::{Along, Arc, Timing};
 pub use course::Course;

@@ -1,15 +1,17 @@
-//! `MinimumTime`: courses of the paper's robot, level, along straight lines, and what they leave to the limits for what is not in the lines. Derived in
-//! docs/minimum-time.md.
+//! `MinimumTime`: courses, and what they leave to the limits for what is not in the way itself. Derived in docs/minimum-time.md.
 
-use super::course::{Course, Leg};
+use super::arc::Timing;
+use super::course::{Course, Leg, Way};
+use super::holding::cost_of_holding;
 use super::line::Line;
-use crate::control::tensions;
+use super::path::Path;
+use crate::control::Sensitivity;
 use crate::plan::exact::LEFT;
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
-use crate::robot::{Coordinates, Pose, Shape, TensionLimits};
+use crate::robot::{Coordinates, Pose, Shape};
 
-/// How level a goal must be, rad: rounding of rigs that stand turned.
+/// What counts as level, rad: rounding of rigs that stand turned.
 const LEVEL: f64 = 1e-9;
 /// Where holding the commands costs more than was left for it, a leg is planned again, with this many times as much.
 const MORE: f64 = 1.05;
@@ -17,14 +19,10 @@ const PLANS: usize = 2;
 /// Errors and disturbances are looked at where a leg begins and ends: in between they cost at most this many times as much.
 const BETWEEN: f64 = 2.0;
 
-impl Planner {
-    /// Whether the planner's lines lead from one pose to the other: level ones of the paper's robot.
-    pub(in crate::plan) fn is_level_move(&self, from: &Pose, goal: &Pose) -> bool {
-        let Some(shape) = &self.shape else { return false };
-        let tilt = |pose: &Pose| shape.to_paper(pose).minus(&Pose::default()).fixed_rows::<3>(3).amax();
-        tilt(from) < self.rest.angle && tilt(goal) < LEVEL
-    }
+/// Of the pose and the rates, from a reference.
+type Error = (Coordinates, Coordinates);
 
+impl Planner {
     /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop. `None` where none is proved, and before
     /// the robot rests.
     pub(in crate::plan) fn course(
@@ -34,50 +32,36 @@ impl Planner {
         begin: f64,
         goal: &Pose,
     ) -> Option<Course> {
-        if now.set_point == goal
-            || !self.is_level_move(now.set_point, goal)
-            || now.hold > self.parameters.longest_hold()
-        {
+        if now.set_point == goal || now.hold > self.parameters.longest_hold() {
             return None;
         }
-        let shape = self.shape.as_ref()?;
-        if let Some(stop) = under_way.and_then(|course| course.stop(begin)) {
-            let from = stop.end_pose();
-            let reference = under_way?.at(begin);
+        if let Some(course) = under_way.filter(|course| begin < course.end()) {
+            let stop = course.stop(self.rig(), begin);
+            let reference = course.at(begin);
             let error = (now.pose.minus(&reference.pose), now.rates - reference.rates);
-            let leg = self.leg(shape, now, &error, (&from, goal), begin + stop.timing.duration)?;
+            let from = stop.end_pose();
+            let leg = self.leg(now, &error, (&from, goal), stop.end())?;
             return Some(Course::new(stop, Some(leg)));
         }
         if !now.is_steady() {
             return None;
         }
-        let from = level(shape, now.set_point);
-        let error = (now.pose.minus(&from), *now.rates);
-        Some(Course::new(self.leg(shape, now, &error, (&from, goal), begin)?, None))
+        let error = (now.pose.minus(now.set_point), *now.rates);
+        Some(Course::new(self.leg(now, &error, (now.set_point, goal), begin)?, None))
     }
 
     /// The fastest motion between two poses at rest that leaves what is needed to the limits.
-    fn leg(
-        &self,
-        shape: &Shape,
-        now: &Situation,
-        error: &(Coordinates, Coordinates),
-        (from, to): (&Pose, &Pose),
-        begin: f64,
-    ) -> Option<Leg> {
-        let at_ends = |cost: &dyn Fn(&Pose) -> Option<f64>| Some(cost(from)?.max(cost(to)?));
-        let of_error = BETWEEN * at_ends(&|pose| self.cost_of_error(pose, error))?;
-        let disturbed = BETWEEN * at_ends(&|pose| self.cost_of_disturbance(pose))?;
-        let unknown = self.unknown_on_the_way(from, to) + disturbed;
+    fn leg(&self, now: &Situation, error: &Error, (from, to): (&Pose, &Pose), begin: f64) -> Option<Leg> {
+        let of_error = BETWEEN * self.cost_of_error(from, error)?.max(self.cost_of_error(to, error)?);
+        let unknown = self.unknown_on_the_way(from, to);
         // Where less is left at rest, no more is asked for.
         let most = (LEFT * self.known_margin_at(from)).max(0.0);
         let mut spare = self.allowance().max(of_error);
         for _ in 0..PLANS {
-            let (line, timing, held) =
-                self.along(shape, (from, to), (unknown + spare).min(most), now.hold)?;
+            let (way, timing, held) = self.timed_way((from, to), (unknown + spare).min(most), now.hold)?;
             if of_error + held <= spare.min(most) {
-                let direction = to.minus(from) / line.length();
-                return Some(Leg { line, timing, begin, from: *from, direction, held });
+                let direction = to.minus(from) / way.length();
+                return Some(Leg { way, timing, begin, from: *from, direction, held });
             }
             spare = MORE * (of_error + held);
         }
@@ -85,75 +69,88 @@ impl Planner {
     }
 
     /// The fastest motion that keeps `spare` (N) from the limits, and what holding the commands for `hold` (s) costs on it.
-    fn along(
+    fn timed_way(&self, (from, to): (&Pose, &Pose), spare: f64, hold: f64) -> Option<(Way, Timing, f64)> {
+        match self.shape.filter(|shape| is_level(shape, from) && is_level(shape, to)) {
+            Some(shape) => self.along_a_line(&shape, (from, to), spare, hold),
+            None => self.along_a_path((from, to), spare, hold),
+        }
+    }
+
+    /// Of the paper's robot without a turn. What is estimated to disturb is not in the closed form: more is left to the limits.
+    fn along_a_line(
         &self,
         shape: &Shape,
         (from, to): (&Pose, &Pose),
         spare: f64,
         hold: f64,
-    ) -> Option<(Line, super::Timing, f64)> {
-        let TensionLimits { min, max } = self.rig().common_limits();
-        let limits = TensionLimits { min: min + spare, max: max - spare };
+    ) -> Option<(Way, Timing, f64)> {
+        let disturbed = BETWEEN * self.cost_of_disturbance(from)?.max(self.cost_of_disturbance(to)?);
+        let limits = self.rig().common_limits().shrunk(spare + disturbed);
         let [start, end] = [from, to].map(|pose| shape.to_paper(pose).position());
         let line = Line::new(&shape.robot, limits, &start, &end);
-        let timing = line.fastest(0.0, self.greatest_speed())?;
+        let timing = line.fastest(0.0, self.greatest_speed(1.0, 0.0))?;
+        let [first, second] = line.derivatives(&timing);
+        let held = self.cost_of(hold, [first, second, line.change(&timing)]);
+        Some((Way::Line(line), timing, held))
+    }
+
+    /// Of any rig.
+    fn along_a_path(&self, (from, to): (&Pose, &Pose), spare: f64, hold: f64) -> Option<(Way, Timing, f64)> {
+        let way = to.minus(from);
+        let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
+        let fastest = self.greatest_speed(linear, angular);
+        let path = Path { from: *from, way, limits: self.limits(spare), fastest: fastest * fastest };
+        let (timing, seen) = path.timed(self.rig())?;
+        let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
+        Some((Way::Path(path), timing, held))
+    }
+
+    /// What holding commands costs, N, where tensions have these derivatives and change by so much.
+    fn cost_of(&self, hold: f64, [first, second, change]: [f64; 3]) -> f64 {
         let parameters = &self.parameters;
-        let held = if parameters.hold_compensation {
-            line.cost_of_holding(&timing, &parameters.gains(), hold * (hold + parameters.command_delay))
+        if parameters.hold_compensation {
+            let span = hold * (hold + parameters.command_delay);
+            cost_of_holding(&parameters.gains(), span, [first, second, change])
         } else {
-            self.share_of_holding(hold) * line.change(&timing)
-        };
-        Some((line, timing, held))
+            self.share_of_holding(hold) * change
+        }
     }
 
-    /// On a level line, m/s: a cable's end moves as fast as the platform.
-    fn greatest_speed(&self) -> f64 {
-        let given = [self.parameters.max_speed, self.parameters.max_cable_speed];
-        given.into_iter().filter(|limit| *limit > 0.0).fold(f64::INFINITY, f64::min)
+    /// The greatest s', 1/s, of a way on which the platform moves by `linear` (m) and turns by `angular` (rad) for each unit of s. A cable's end moves
+    /// no faster than its attachment.
+    fn greatest_speed(&self, linear: f64, angular: f64) -> f64 {
+        let parameters = &self.parameters;
+        let of_cable = linear + angular * self.rig().platform_radius();
+        let limits = [
+            (parameters.max_speed, linear),
+            (parameters.max_angular_rate, angular),
+            (parameters.max_cable_speed, of_cable),
+        ];
+        let asked = limits.into_iter().filter(|(limit, way)| *limit > 0.0 && *way > 0.0);
+        asked.map(|(limit, way)| limit / way).fold(f64::INFINITY, f64::min)
     }
 
-    /// What an error of the pose and of the rates, which the law takes back, changes a tension by at most, N, about a pose at rest; to first order.
-    ///
-    /// Of cable i: (A e + B e'')_i with e = e₀ f + e₀' φ: a [`Curve`]. A is what a shift changes, B what an acceleration does.
-    fn cost_of_error(&self, at: &Pose, (error, rates): &(Coordinates, Coordinates)) -> Option<f64> {
-        /// s, so that a speed is a small way.
-        const SHORT: f64 = 1e-3;
+    /// What an error that the law takes back changes a tension by at most, N, about a pose at rest.
+    fn cost_of_error(&self, at: &Pose, (error, rates): &Error) -> Option<f64> {
         let gains = self.parameters.gains();
-        let (sum, omega2) = (gains.lambda + gains.eta, gains.omega_n_squared());
-        let none = Coordinates::zeros();
-        let at_rest = tensions(self.rig(), at, &none, &none, 0.0)?;
-        let shifted = |by: Coordinates| tensions(self.rig(), &Pose(at.0 + by), &none, &none, 0.0);
-        let accelerated = |by: &Coordinates| tensions(self.rig(), at, &none, by, 0.0);
-        let (a_e, a_v) = (shifted(*error)?, shifted(rates * SHORT)?);
-        let (b_e, b_v) = (accelerated(error)?, accelerated(rates)?);
-        let cost = (0..at_rest.len()).map(|i| {
-            let [a_e, a_v] = [a_e[i] - at_rest[i], (a_v[i] - at_rest[i]) / SHORT];
-            let [b_e, b_v] = [b_e, b_v].map(|tension| tension[i] - at_rest[i]);
-            // f'' = -ω² f + ω² S φ, φ'' = -S f + (S² - ω²) φ.
-            let b = a_e - omega2 * b_e - sum * b_v;
-            let c = a_v + omega2 * sum * b_e + (sum * sum - omega2) * b_v;
+        let of_cables = Sensitivity::new(self.rig(), at)?.of_error(error, rates, &gains);
+        let of_cable = |[b, c]: [f64; 2]| {
             let extremes = Curve { a: 0.0, b, c, d: 0.0 }.extremes(&gains);
             extremes.max.max(-extremes.min)
-        });
-        Some(cost.fold(0.0, f64::max))
+        };
+        Some(of_cables.into_iter().map(of_cable).fold(0.0, f64::max))
     }
 
     /// What the estimated disturbance changes a tension by at most, N, at rest.
     fn cost_of_disturbance(&self, at: &Pose) -> Option<f64> {
-        let none = Coordinates::zeros();
-        if self.rig().disturbance == nalgebra::Vector6::zeros() {
+        let disturbance = self.rig().disturbance;
+        if disturbance == nalgebra::Vector6::zeros() {
             return Some(0.0);
         }
-        let mut undisturbed = *self.rig();
-        undisturbed.disturbance.fill(0.0);
-        let [with, without] = [self.rig(), &undisturbed].map(|rig| tensions(rig, at, &none, &none, 0.0));
-        let (with, without) = (with?, without?);
-        Some((0..with.len()).map(|i| (with[i] - without[i]).abs()).fold(0.0, f64::max))
+        Some(Sensitivity::new(self.rig(), at)?.of_wrench(&disturbance))
     }
 }
 
-/// The pose with zero orientation in the paper's frame.
-fn level(shape: &Shape, pose: &Pose) -> Pose {
-    let position = shape.to_paper(pose).position();
-    shape.to_rig(&Pose::at(position.x, position.y, position.z))
+fn is_level(shape: &Shape, pose: &Pose) -> bool {
+    shape.to_paper(pose).minus(&Pose::default()).fixed_rows::<3>(3).amax() < LEVEL
 }

@@ -4,6 +4,7 @@
 //! rounding included, over a few spans that cover all time from the step on. More cables may share the load in many ways: one that
 //! keeps the limits is shown over each span. `docs/certificate.md` derives the method.
 
+pub mod along;
 pub mod margins;
 pub mod motion;
 pub mod redundant;
@@ -159,7 +160,7 @@ fn closed_form(
         search::walk(rig, step, &tube, limits, spans, |cables| range.include(&cables.tension, 0.0))?;
     } else {
         search::cover(step, spans, |span| {
-            redundant::look(rig, limits, (step, &tube), (span, 1.0), |_, tensions, _| {
+            redundant::look(rig, limits, &step.motion(span, &tube), (span, 1.0), |_, tensions, _| {
                 range.include(tensions, 0.0)
             })
         })?;
@@ -180,7 +181,7 @@ fn walk(
         return search::walk(rig, step, tube, limits, spans, |cables| inside(&cables.pulling(), 0.0));
     }
     search::cover(step, spans, |span| {
-        redundant::look(rig, limits, (step, tube), (span, SHARE), |system, tensions, law| {
+        redundant::look(rig, limits, &step.motion(span, tube), (span, SHARE), |system, tensions, law| {
             let near = law.nearness(system, tensions);
             inside(&system.pulling(tensions, near.distance), near.intrusion);
         })
@@ -228,6 +229,7 @@ const SHARE: f64 = 0.2;
 const MOST_GUESSES: usize = 5;
 
 /// Bounds of the tensions seen, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Range {
     /// Least and greatest of each cable.
     of_cable: PerCable<[f64; 2]>,
@@ -260,13 +262,17 @@ impl Range {
     fn admissible(&self) -> Verdict {
         let least = self.of_cable.iter().map(|seen| seen[0]).fold(f64::INFINITY, f64::min);
         let greatest = self.of_cable.iter().map(|seen| seen[1]).fold(f64::NEG_INFINITY, f64::max);
-        let change = match self.of_cable.len() {
-            LEAST_CABLES => {
-                self.of_cable.iter().map(|[least, greatest]| greatest - least).fold(0.0, f64::max)
-            }
-            _ => greatest - least,
-        };
-        Verdict::Admissible { least, greatest, change }
+        Verdict::Admissible { least, greatest, change: self.change() }
+    }
+
+    /// What the tension of any one cable changes by, as the verdict says it.
+    fn change(&self) -> f64 {
+        if self.of_cable.len() == LEAST_CABLES {
+            return self.of_cable.iter().map(|[least, greatest]| greatest - least).fold(0.0, f64::max);
+        }
+        let least = self.of_cable.iter().map(|seen| seen[0]).fold(f64::INFINITY, f64::min);
+        let greatest = self.of_cable.iter().map(|seen| seen[1]).fold(f64::NEG_INFINITY, f64::max);
+        greatest - least
     }
 }
 

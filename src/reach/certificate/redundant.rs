@@ -4,8 +4,8 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::margins::{Tube, UPWARDS};
-use super::motion::{Span, Step};
+use super::margins::UPWARDS;
+use super::motion::{Motion, Span};
 use super::search::{Finding, judge};
 use super::statics::{System, solve};
 use super::taylor::{Taylor, combination};
@@ -22,16 +22,16 @@ const HELD: f64 = 1e-9;
 /// A limit counts as standing against the wrench from this share of all of them on.
 const NAMED: f64 = 1e-4;
 
-/// Looks for tensions of all motions in a tube over `span`, `share` of the way that they can be inside the limits; `inside` is shown those that are
+/// Looks for tensions of all motions in `motion` over `span`, `share` of the way that they can be inside the limits; `inside` is shown those that are
 /// within the limits, and what the law has to do with them.
 pub fn look(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
-    (step, tube): (&Step, &Tube),
+    motion: &Motion,
     (span, share): (Span, f64),
     inside: impl FnOnce(&System, &[Taylor], &Law),
 ) -> Finding {
-    let Some(system) = System::new(rig, &step.motion(span, tube)) else {
+    let Some(system) = System::new(rig, motion) else {
         return Finding::Untold(Cause::Singular);
     };
     let (matrix, wrench) = middle(&system);
@@ -221,6 +221,8 @@ fn refusal(
 
 #[cfg(test)]
 mod tests {
+    use super::super::margins::Tube;
+    use super::super::motion::Step;
     use super::*;
     use crate::control::Gains;
     use crate::control::distribution::share;
@@ -276,7 +278,7 @@ mod tests {
             let kept = 30.0 * f64::from(case % 2);
             let limits = rig.limits().map(|limits| limits.shrunk(kept));
             let span = Span::Between(0.1, 0.1 + any(0.05).abs());
-            look(&rig, &limits, (&step, &Tube::empty()), (span, 0.2), |over, tensions, law| {
+            look(&rig, &limits, &step.motion(span, &Tube::empty()), (span, 0.2), |over, tensions, law| {
                 let near = law.nearness(over, tensions);
                 shown += 1;
                 for tau in [-1.0, -0.4, 0.0, 0.7, 1.0] {

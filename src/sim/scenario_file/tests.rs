@@ -277,7 +277,10 @@ fn unknown_missing_and_mistyped_fields_are_named_with_their_line() {
     let missing = refusal("duration = 3\n", "");
     assert!(missing.contains("missing field `duration`"), "{missing}");
     let variant = refusal("\"exact\"", "\"exakt\"");
-    assert!(variant.contains("line ") && variant.contains("expected one of `bounded`, `exact`, `minimum-time`"), "{variant}");
+    assert!(
+        variant.contains("line ") && variant.contains("expected one of `bounded`, `exact`, `minimum-time`"),
+        "{variant}"
+    );
     let short = refusal("force = [1.0, 2.0, 3.0]", "force = [1.0, 2.0]");
     assert!(short.contains("line ") && short.contains("array of length 3"), "{short}");
     let word = refusal("time = 1.0", "time = \"soon\"");

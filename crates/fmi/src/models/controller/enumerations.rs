@@ -11,12 +11,9 @@ pub const PLANNER_TYPE: Enumeration = Enumeration {
     items: &PLANNERS,
 };
 
-/// The planner of a rig that is not the paper's.
-pub const GENERAL_PLANNER_TYPE: Enumeration = Enumeration {
-    first: PlannerKind::Exact as i32,
-    items: &[PlannerKind::Exact.described()],
-    ..PLANNER_TYPE
-};
+/// The planners of a rig that is not the paper's: all but the first.
+pub const GENERAL_PLANNER_TYPE: Enumeration =
+    Enumeration { first: 2, items: PLANNERS.split_at(1).1, ..PLANNER_TYPE };
 
 pub const PLANNERS: [(&str, &str); PlannerKind::ALL.len()] = {
     let mut items = [("", ""); PlannerKind::ALL.len()];

@@ -1,0 +1,142 @@
+//! What the limits of the tensions ask of s'' and s'² at a place on a straight way through the six coordinates, for any rig.
+//!
+//! q = q₀ + D s, so q' = D s', q'' = D s'', and the wrench that the cables must give is w₀ + w₁ s'' + w₂ s'², Eq. (1). The wrenches of tensions
+//! within their limits are a zonotope: between two planes for each five cables, with the normal c that all five of their columns are across to,
+//!
+//! ```text
+//! Σ min over u_j of (c·W_j) u_j  ≤  c·w  ≤  Σ max over u_j of (c·W_j) u_j,   j over the other cables.
+//! ```
+//!
+//! Of six cables these are the limits of one tension each.
+
+use nalgebra::Vector6;
+
+use super::polygon::{Condition, Polygon};
+use crate::robot::dynamics::required_wrench;
+use crate::robot::{Coordinates, PerCable, Pose, Rig, TensionLimits};
+
+/// What six coordinates have one of more of.
+const FIVE: usize = 5;
+/// Five columns whose last pivot is smaller than this, of columns of length one, span no plane.
+const FLAT: f64 = 1e-9;
+/// Accelerations looked at: up to this many times gravity.
+const MOST_G: f64 = 1e3;
+
+/// The s'' and s'² at a pose on the way `way` (D) with which there are tensions within `limits`; empty where there are none.
+pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &Coordinates) -> Polygon {
+    let none = Coordinates::zeros();
+    let at_rest = required_wrench(rig, pose, &none, &none);
+    let of_a = required_wrench(rig, pose, &none, way) - at_rest;
+    let of_x = required_wrench(rig, pose, way, &none) - at_rest;
+    let radius = rig.platform_radius();
+    // Torques count as forces at the platform's radius, so that lengths mean something.
+    let scaled = |w: &Vector6<f64>| Vector6::from_fn(|k, _| if k < 3 { w[k] } else { w[k] / radius });
+    let columns = rig.cables_at(pose).wrench_matrix().map(|column| scaled(&column));
+    let [at_rest, of_a, of_x] = [at_rest, of_a, of_x].map(|w| scaled(&w));
+    let most = MOST_G * rig.gravity.norm()
+        / (way.fixed_rows::<3>(0).norm() + radius * way.fixed_rows::<3>(3).norm());
+    let mut polygon = Polygon::rectangle(most, most);
+    let mut chosen = [0, 1, 2, 3, 4];
+    loop {
+        if let Some(normal) = across(&columns, &chosen) {
+            let (mut least, mut greatest) = (0.0, 0.0);
+            for (column, limits) in columns.iter().zip(limits) {
+                let share = normal.dot(column);
+                let ends = [share * limits.min, share * limits.max];
+                // The five themselves: whatever they pull.
+                if share.abs() > FLAT {
+                    least += ends[0].min(ends[1]);
+                    greatest += ends[0].max(ends[1]);
+                }
+            }
+            let [rest, a, x] = [at_rest, of_a, of_x].map(|w| normal.dot(&w));
+            if greatest.is_finite() {
+                polygon.clip(&Condition { a, x, bound: greatest - rest });
+            }
+            if least.is_finite() {
+                polygon.clip(&Condition { a: -a, x: -x, bound: rest - least });
+            }
+        }
+        if polygon.is_empty() || !next(&mut chosen, columns.len()) {
+            return polygon;
+        }
+    }
+}
+
+/// The next five of so many, in order; whether there are any.
+fn next(chosen: &mut [usize; FIVE], count: usize) -> bool {
+    let Some(k) = (0..FIVE).rfind(|k| chosen[*k] < count - FIVE + k) else { return false };
+    chosen[k] += 1;
+    for j in k + 1..FIVE {
+        chosen[j] = chosen[j - 1] + 1;
+    }
+    true
+}
+
+/// The vector of length one across five columns; `None` where they do not span a plane: Gauss with pivots over all that is left.
+fn across(columns: &PerCable<Vector6<f64>>, chosen: &[usize; FIVE]) -> Option<Vector6<f64>> {
+    let mut rows = chosen.map(|i| columns[i]);
+    let mut order = [0, 1, 2, 3, 4, 5];
+    for k in 0..FIVE {
+        let places = (k..FIVE).flat_map(|i| (k..6).map(move |j| (i, j)));
+        let size = |&(i, j): &(usize, usize)| rows[i][order[j]].abs();
+        let (i, j) = places.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        rows.swap(k, i);
+        order.swap(k, j);
+        let pivot = rows[k][order[k]];
+        if pivot.abs() < FLAT {
+            return None;
+        }
+        for i in k + 1..FIVE {
+            let factor = rows[i][order[k]] / pivot;
+            rows[i] -= rows[k] * factor;
+        }
+    }
+    let mut normal = Vector6::zeros();
+    normal[order[5]] = 1.0;
+    for k in (0..FIVE).rev() {
+        let sum: f64 = (k + 1..6).map(|j| rows[k][order[j]] * normal[order[j]]).sum();
+        normal[order[k]] = -sum / rows[k][order[k]];
+    }
+    Some(normal.normalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::distribution::widest_margin;
+    use crate::robot::RigFile;
+    use rand::{RngExt, SeedableRng};
+
+    /// The tension distribution, which is another method, finds tensions where this says that there are some, and nowhere else.
+    #[test]
+    fn there_are_tensions_where_the_planes_say_so() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(6);
+        for text in [
+            include_str!("../../../rigs/paper.toml"),
+            include_str!("../../../rigs/eight.toml"),
+            include_str!("../../../rigs/public/acrobot.toml"),
+        ] {
+            let RigFile { rig, home, .. } = RigFile::parse(text).unwrap();
+            let (mut inside, mut outside) = (0, 0);
+            for _ in 0..300 {
+                let mut any = |size: f64| Coordinates::from_fn(|_, _| rng.random_range(-size..size));
+                let (size, pose) = (rig.radius(), Pose(home.0 + any(0.1)));
+                let mut way = any(1.0);
+                (0..3).for_each(|k| way[k] *= 0.3 * size);
+                let polygon = feasible(&rig, &rig.limits(), &pose, &way);
+                let (widest, highest) = (polygon.between(0.0).unwrap_or([-1.0, 1.0]), polygon.highest());
+                let a = 1.5 * rng.random_range(widest[0]..widest[1]);
+                let x = 1.5 * rng.random_range(0.0..highest.unwrap_or(1.0));
+                let wrench = required_wrench(&rig, &pose, &(way * f64::sqrt(x)), &(way * a));
+                let margin = widest_margin(&rig, &rig.cables_at(&pose).wrench_matrix(), &wrench);
+                let is_in =
+                    polygon.between(x).is_some_and(|[least, greatest]| (least..=greatest).contains(&a));
+                assert!(is_in == (margin >= 0.0) || margin.abs() < 1e-6 * rig.weight(), "{margin} {is_in}");
+                *(if is_in { &mut inside } else { &mut outside }) += 1;
+            }
+            println!("{} cables: {inside} inside, {outside} outside", rig.cables.len());
+            assert!(inside > 20 && outside > 20);
+        }
+    }
+}
