@@ -9,6 +9,7 @@ use cable_robot::control::lyapunov::tension_command;
 use cable_robot::control::{Gains, Reference};
 use cable_robot::plan::bisection::smallest_admissible;
 use cable_robot::plan::linear_program::smallest_beta;
+use cable_robot::plan::minimum_time::Line;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
 use cable_robot::reach::certificate::{Step, certify};
 use cable_robot::reach::exact::NEVER_SLACK;
@@ -186,6 +187,28 @@ fn any_rig(c: &mut Criterion) {
     }
 }
 
+/// A line in closed form, and ways that are timed on a grid and proved.
+fn minimum_time(c: &mut Criterion) {
+    let limits = TensionLimits { min: 0.5, max: 40.0 };
+    let (start, end) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.15, 0.15, 1.0));
+    let line = Line::new(&RobotParameters::default(), limits, &start, &end);
+    let whole = line.fastest(0.0, f64::INFINITY).unwrap();
+    let [s, v, _] = whole.at(0.4 * whole.duration);
+    c.bench_function("minimum time: a line", |b| b.iter(|| black_box(&line).fastest(0.0, f64::INFINITY)));
+    c.bench_function("minimum time: a stop on it", |b| b.iter(|| black_box(&line).stop(s, v)));
+    for (name, rig, home) in rigs().into_iter().filter(|(_, rig, _)| rig.cables.len() <= 8) {
+        let by = Coordinates::new(0.1, 0.05, 0.02, 0.0, 0.0, 0.0) * rig.radius();
+        let goal = Pose(home.0 + by + Coordinates::new(0.0, 0.0, 0.0, 0.05, 0.0, 0.1));
+        let parameters =
+            ControllerParameters { planner: PlannerKind::MinimumTime, ..ControllerParameters::of(&rig) };
+        let planner = Planner::from(parameters);
+        assert!(planner.course_from_rest(&home, &goal).is_some());
+        c.bench_function(&format!("minimum time: a turned way, {name}"), |b| {
+            b.iter(|| planner.course_from_rest(black_box(&home), &goal))
+        });
+    }
+}
+
 /// Throughput in elements a second is simulated milliseconds a second.
 fn closed_loop(c: &mut Criterion) {
     let mut group = c.benchmark_group("closed loop, library");
@@ -202,5 +225,15 @@ fn closed_loop(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, library_steps, fmi_steps, kinematics, decisions, exact, any_rig, closed_loop);
+criterion_group!(
+    benches,
+    library_steps,
+    fmi_steps,
+    kinematics,
+    decisions,
+    exact,
+    any_rig,
+    minimum_time,
+    closed_loop
+);
 criterion_main!(benches);

@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::{ClosedLoop, PlantInputs};
 use cable_robot_cosim::FmuModel;
@@ -25,28 +26,66 @@ const STEP: f64 = 1e-3;
 const STOP: f64 = 12.0;
 const REST: f64 = 1.0;
 
-/// Builds and packs the FMUs, runs them, prints what came of it, writes the run folder and the report.
+/// What is run: with the paper's planner, and as fast as the tensions allow; each with a folder for its report.
+const RUNS: [(PlannerKind, &str, &str); 2] = [
+    (PlannerKind::Bounded, "The paper's move, through the FMUs", "target/demo"),
+    (
+        PlannerKind::MinimumTime,
+        "The paper's move in minimum time, through the FMUs",
+        "target/demo/minimum-time",
+    ),
+];
+
+/// Builds and packs the FMUs, runs them, prints what came of it, writes the run folders and the reports.
 pub fn run(version: Version) -> Result<()> {
-    let folder = project_root().join("target/demo");
-    run_folder::make(&folder)?;
     pack::build()?;
-    let recorded = RunFolder { info: info(version), table: simulate(version)? };
-    print(&recorded.run()?.summary());
-    recorded.write(&folder)?;
-    let page = html(&recorded)?;
-    let path = folder.join("report.html");
-    write_whole(&path, |file| file.write_all(page.as_bytes()))?;
-    println!("report: {}", path.display());
+    let mut rows = vec![];
+    for (planner, title, folder) in RUNS {
+        let folder = project_root().join(folder);
+        run_folder::make(&folder)?;
+        let recorded = RunFolder { info: info(version, planner, title), table: simulate(version, planner)? };
+        let summary = recorded.run()?.summary();
+        println!("planner {}", planner.described().0);
+        print(&summary);
+        recorded.write(&folder)?;
+        let page = html(&recorded)?;
+        let path = folder.join("report.html");
+        write_whole(&path, |file| file.write_all(page.as_bytes()))?;
+        println!("report: {}\n", path.display());
+        rows.push((planner, summary));
+    }
+    compare(&rows);
     Ok(())
 }
 
+/// Side by side.
+fn compare(rows: &[(PlannerKind, Summary)]) {
+    println!(
+        "{:<13} {:>15} {:>20} {:>12}",
+        "planner", "at the goal (s)", "smallest tension (N)", "slack cables"
+    );
+    for (planner, summary) in rows {
+        let time = summary.time_to_goal.map_or_else(|| "not reached".to_owned(), |time| format!("{time:.3}"));
+        let tension =
+            summary.smallest_tension.map_or_else(String::new, |smallest| format!("{:.3}", smallest.value));
+        let slack = slack_in_words(&summary.slack);
+        println!("{:<13} {time:>15} {tension:>20} {slack:>12}", planner.described().0);
+    }
+}
+
 /// Runs them until the robot has rested at the goal for a while.
-fn simulate(version: Version) -> Result<Table> {
+fn simulate(version: Version, planner: PlannerKind) -> Result<Table> {
     let rig = RigFile::default();
     let [x, y, z] = GOAL;
     let outside = PlantInputs::none(rig.rig.cables.len());
     let [controller, plant] = [Model::Controller, Model::Plant].map(|model| open(model, version, &rig));
-    let mut closed_loop = ClosedLoop::with_models(controller?, plant?, Pose::at(x, y, z), &outside)?;
+    let mut controller = controller?;
+    controller.set_parameters(|interface, values| {
+        let number = interface.named("plannerNumber").context("the controller FMU knows no plannerNumber")?;
+        values.put(number.reference, f64::from(planner as i32));
+        Ok(())
+    })?;
+    let mut closed_loop = ClosedLoop::with_models(controller, plant?, Pose::at(x, y, z), &outside)?;
     let mut recording = Recording::new(rig.rig.cables.len());
     recording.push(closed_loop.moment())?;
     let bar = ProgressBar::new((STOP / STEP) as u64);
@@ -75,8 +114,8 @@ fn open(model: Model, version: Version, rig: &RigFile) -> Result<FmuModel> {
     FmuModel::open(&pack::path(model, version), rig, Box::new(log))
 }
 
-/// What was run: both FMUs with their defaults, Tables I and II.
-fn info(version: Version) -> RunInfo {
+/// What was run: both FMUs with their defaults, Tables I and II, but for the planner.
+fn info(version: Version, planner: PlannerKind, title: &str) -> RunInfo {
     let fmu = |model: Model| run_folder::Model::Fmu {
         path: format!("target/fmu/{}/{}.fmu", version.name(), model.identifier()).into(),
         name: model.identifier().to_owned(),
@@ -88,13 +127,13 @@ fn info(version: Version) -> RunInfo {
     RunInfo {
         format: FORMAT,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        title: "The paper's move, through the FMUs".to_owned(),
+        title: title.to_owned(),
         scenario: None,
         controller: fmu(Model::Controller),
         plant: fmu(Model::Plant),
         rig: "Oh and Agrawal, Table I".to_owned(),
         step: STEP,
-        controller_parameters: Default::default(),
+        controller_parameters: ControllerParameters { planner, ..Default::default() },
         plant_parameters: Default::default(),
     }
 }

@@ -74,6 +74,32 @@ fn goals_that_are_not_reachable_allocate_nothing() {
     }
 }
 
+/// Goals that change on the way, then a pose that is lost: plans, their proofs and their stops.
+#[test]
+fn the_fastest_motions_allocate_nothing() {
+    for text in [include_str!("../../rigs/paper.toml"), include_str!("../../rigs/eight.toml")] {
+        let file = RigFile::parse(text).unwrap();
+        let parameters =
+            ControllerParameters { planner: PlannerKind::MinimumTime, ..ControllerParameters::of(&file.rig) };
+        let plant = PlantParameters { rig: file.rig, initial_pose: file.home, ..Default::default() };
+        let mut closed_loop = ClosedLoop::new(parameters, plant, file.home).unwrap();
+        closed_loop.step(1e-3).unwrap();
+        let before = CALLS.get();
+        for (x, yaw) in [(0.1, 0.0), (-0.1, 0.2), (0.05, -0.1), (9.0, 0.0), (0.1, 0.1)] {
+            closed_loop.goal = Pose(file.home.0 + Coordinates::new(x, 0.05, -0.02, 0.0, 0.0, yaw));
+            for _ in 0..200 {
+                closed_loop.step(1e-3).unwrap();
+            }
+        }
+        for _ in 0..200 {
+            closed_loop.step_seeing(1e-3, |inputs| inputs.encoder_pose.0[0] += 5.0).unwrap();
+        }
+        assert_eq!(CALLS.get() - before, 0, "allocations in 1200 steps");
+        let output = closed_loop.controller.outputs();
+        assert!(output.set_point_index >= 4 && output.status == Status::SensorFault, "{output:?}");
+    }
+}
+
 /// Gains changed on the way, those that are taken and those that wait: also of a rig that is the paper's only turned.
 #[test]
 fn tuning_allocates_nothing() {
