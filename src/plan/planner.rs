@@ -112,7 +112,7 @@ impl Planner {
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
-            PlannerKind::MinimumTime => self.course(now, None, 0.0, goal).map(|_| *goal),
+            PlannerKind::MinimumTime => self.course(now, None, 0.0, goal).map(|(_, to)| to),
         }
     }
 
@@ -129,10 +129,12 @@ impl Planner {
         self.next_set_point(&self.at_rest(from, &Coordinates::zeros()), goal)
     }
 
-    /// The course that `MinimumTime` takes from rest at `from`, begun at 0 s; `None` where there is none, and of other planners.
+    /// The course that `MinimumTime` takes from rest at `from` to `goal`, or as far as is proved, begun at 0 s; `None` where there is none, and of other planners.
     pub fn course_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Course> {
         let is_meant = self.parameters.planner == PlannerKind::MinimumTime;
-        is_meant.then(|| self.course(&self.at_rest(from, &Coordinates::zeros()), None, 0.0, goal))?
+        is_meant
+            .then(|| self.course(&self.at_rest(from, &Coordinates::zeros()), None, 0.0, goal))?
+            .map(|(course, _)| course)
     }
 
     fn at_rest<'a>(&self, pose: &'a Pose, rates: &'a Coordinates) -> Situation<'a> {

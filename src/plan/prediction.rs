@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::minimum_time::Course;
-use crate::control::{Gains, Response, response, tensions};
+use crate::control::{Gains, Reference, Response, response, tensions};
 use crate::robot::{Coordinates, PerCable, Pose, Rig};
 
 /// Instants looked at, denser at the start.
@@ -67,8 +67,8 @@ impl Prediction {
         prediction
     }
 
-    /// The same on a course, which leads the robot from a state at `time` (s) on; at its end it is taken to rest. Its tensions jump from arc to arc, and on an
-    /// arc hardly any has a valley.
+    /// The same on a course, which leads the robot from a state at `time` (s) on; at its end it is taken to rest. Looked at where its arcs
+    /// meet and tensions jump; on an arc hardly any has a valley.
     pub fn of_course(
         rig: &Rig,
         course: &Course,
@@ -80,17 +80,26 @@ impl Prediction {
         let begins = course.at(time);
         let (error, change) = (pose.minus(&begins.pose), rates - begins.rates);
         let instants = Instants::until(course.end() - time);
-        let mut prediction = Self { made_at: time, instants, smallest: [0.0; INSTANTS] };
-        let mut range = Range::none(rig.cables.len());
-        for k in (0..INSTANTS).rev() {
-            let t = instants.time(k as f64);
-            let led = course.at(time + t);
-            let [e, de, dde] = Response::at(gains, t).error_of(&error, &change);
+        let mut smallest = [f64::INFINITY; INSTANTS];
+        let least = |at: f64, led: &Reference| {
+            let [e, de, dde] = Response::at(gains, (at - time).max(0.0)).error_of(&error, &change);
             let (pose, rates) = (Pose(led.pose.0 + e), led.rates + de);
-            range.include(tensions(rig, &pose, &rates, &(led.accelerations + dde), margin).as_ref());
-            prediction.smallest[k] = range.smallest() - course.held();
+            let mut here = Range::none(rig.cables.len());
+            here.include(tensions(rig, &pose, &rates, &(led.accelerations + dde), margin).as_ref());
+            here.smallest() - course.held()
+        };
+        // What an arc comes to counts until its end.
+        for [(from, begin), (to, end)] in course.arcs(time) {
+            let place = &mut smallest[instants.place(to - time) as usize];
+            *place = place.min(least(from, &begin)).min(least(to, &end));
         }
-        prediction
+        let rest = course.end();
+        smallest[INSTANTS - 1] =
+            smallest[INSTANTS - 1].min(least(rest, &Reference::resting(&course.at(rest).pose)));
+        for k in (0..INSTANTS - 1).rev() {
+            smallest[k] = smallest[k].min(smallest[k + 1]);
+        }
+        Self { made_at: time, instants, smallest }
     }
 
     /// Smallest tension predicted from `time` on, N.
@@ -114,12 +123,11 @@ impl Instants {
         Self { dense, growth: libm::log1p(response::time_to_rest(gains) / dense) / (INSTANTS - 1) as f64 }
     }
 
-    /// At equal distances up to just after `end`, s.
+    /// At equal distances up to `end`, s.
     fn until(end: f64) -> Self {
         /// So many times that long, an exponential is straight.
         const STRAIGHT: f64 = 1e3;
-        const AFTER: f64 = 1.0 + 1e-6;
-        let dense = STRAIGHT * AFTER * end;
+        let dense = STRAIGHT * end;
         Self { dense, growth: libm::log1p(1.0 / STRAIGHT) / (INSTANTS - 1) as f64 }
     }
 

@@ -14,13 +14,14 @@ use serde_json::json;
 
 use super::cases::{log_uniform, random_gains_of_held, random_rig_of_held};
 use super::random_of;
+use crate::arguments::planner;
 use crate::progress::Progress;
 use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study held --runs 2000
 Rigs: Table I, and random ones near the paper's shape. Gains 0.3 to 15 1/s, steps 0.25 to 20 ms, equal or varying, the controller stepped first or both at once (a step
-late), up to four goals, turned ones and ones that cannot be had among them, half of the first given at once. Planner Exact.";
+late), up to four goals, turned ones and ones that cannot be had among them, half of the first given at once.";
 
 /// Upper ends of the classes of (λ + η) h, and of (λ + η) times the delay besides.
 const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 1.0];
@@ -40,6 +41,9 @@ pub struct Held {
     /// Seed of the random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Planner
+    #[arg(long, value_parser = planner(), default_value = PlannerKind::Exact.key())]
+    planner: PlannerKind,
     /// Evaluates the law at the measurement: holdCompensation = false
     #[arg(long)]
     uncompensated: bool,
@@ -134,7 +138,7 @@ impl Held {
         let (gains, step) = (random_gains_of_held(rng), log_uniform(rng, 0.25e-3, 20e-3));
         let is_late = rng.random_bool(0.5);
         let mut parameters = ControllerParameters::of(&rig);
-        parameters.planner = PlannerKind::Exact;
+        parameters.planner = self.planner;
         (parameters.lambda, parameters.eta) = (gains.lambda, gains.eta);
         parameters.hold_compensation = !self.uncompensated;
         parameters.command_delay = if is_late { step } else { 0.0 };

@@ -92,9 +92,9 @@ impl Controller {
     fn set_out(&mut self, pose: &Pose, rates: &Coordinates) -> Option<Pose> {
         let then = Situation { pose, rates, ..self.situation() };
         let begin = self.time + self.foreseen_delay();
-        let course = self.planner.course(&then, self.course.as_ref(), begin, &self.aim)?;
+        let (course, end) = self.planner.course(&then, self.course.as_ref(), begin, &self.aim)?;
         self.course = Some(course);
-        Some(self.aim)
+        Some(end)
     }
 
     /// The goal, or the one before if it differs by so little that no step is worth it. The search for where the planner makes for takes a

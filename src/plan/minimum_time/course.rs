@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::arc::Timing;
+use super::arc::{Along, Timing};
 use super::line::Line;
 use super::path::Path;
 use crate::control::Reference;
@@ -61,7 +61,20 @@ impl Leg {
     }
 
     fn at(&self, time: f64) -> Reference {
-        let [s, v, a] = self.timing.at(time - self.begin);
+        self.led(self.timing.at(time - self.begin))
+    }
+
+    /// Both ends of every arc, with their times, s.
+    fn arcs(&self) -> impl Iterator<Item = [(f64, Reference); 2]> {
+        let arcs = self.timing.arcs();
+        (0..arcs.len()).map(move |k| {
+            let begin = arcs[k].begin;
+            let end = arcs.get(k + 1).map_or(self.timing.duration, |next| next.begin);
+            [begin, end].map(|t| (self.begin + t, self.led(arcs[k].at(t - begin))))
+        })
+    }
+
+    fn led(&self, [s, v, a]: Along) -> Reference {
         Reference {
             pose: Pose(self.from.0 + self.direction * s),
             rates: self.direction * v,
@@ -85,11 +98,18 @@ impl Leg {
 pub struct Course {
     first: Leg,
     second: Option<Leg>,
+    /// What it was planned for, whether it leads there or only towards it.
+    goal: Pose,
 }
 
 impl Course {
-    pub(super) fn new(first: Leg, second: Option<Leg>) -> Self {
-        Self { first, second }
+    pub(super) fn new(first: Leg, second: Option<Leg>, goal: &Pose) -> Self {
+        Self { first, second, goal: *goal }
+    }
+
+    /// Whether it was planned for this goal.
+    pub(super) fn is_for(&self, goal: &Pose) -> bool {
+        self.goal == *goal
     }
 
     /// When it ends, s.
@@ -108,6 +128,12 @@ impl Course {
         self.leg(time).at(time)
     }
 
+    /// Where it leads the robot at both ends of each arc that has not ended at a time (s).
+    pub fn arcs(&self, time: f64) -> impl Iterator<Item = [(f64, Reference); 2]> {
+        let legs = [Some(&self.first), self.second.as_ref()].into_iter().flatten();
+        legs.flat_map(Leg::arcs).filter(move |[_, (end, _)]| *end >= time)
+    }
+
     /// The leg that brings it to rest as soon as is proved from a time (s) on.
     pub(super) fn stop(&self, rig: &Rig, time: f64) -> Leg {
         self.leg(time).stop(rig, time)
@@ -115,7 +141,7 @@ impl Course {
 
     /// The course that stops from a time (s) on, as soon as is proved.
     pub fn stopped(&self, rig: &Rig, time: f64) -> Self {
-        Self::new(self.stop(rig, time), None)
+        Self::new(self.stop(rig, time), None, &self.goal)
     }
 
     fn leg(&self, time: f64) -> &Leg {

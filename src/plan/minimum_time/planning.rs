@@ -1,12 +1,12 @@
 //! `MinimumTime`: courses, and what they leave to the limits for what is not in the way itself. Derived in docs/minimum-time.md.
 
 use super::arc::Timing;
-use super::course::{Course, Leg, Way};
+use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
 use super::path::Path;
 use crate::control::Sensitivity;
-use crate::plan::exact::LEFT;
+use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
 use crate::robot::{Coordinates, Pose, Shape};
@@ -16,6 +16,8 @@ const LEVEL: f64 = 1e-9;
 /// Where holding the commands costs more than was left for it, a leg is planned again, with this many times as much.
 const MORE: f64 = 1.05;
 const PLANS: usize = 2;
+/// Where the whole way is not proved, so much of it is tried.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// Errors and disturbances are looked at where a leg begins and ends: in between they cost at most this many times as much.
 const BETWEEN: f64 = 2.0;
 
@@ -23,31 +25,49 @@ const BETWEEN: f64 = 2.0;
 type Error = (Coordinates, Coordinates);
 
 impl Planner {
-    /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop. `None` where none is proved, and before
-    /// the robot rests.
+    /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
+    /// ends. `None` where nothing is, and while the robot is too far from the reference.
     pub(in crate::plan) fn course(
         &self,
         now: &Situation,
         under_way: Option<&Course>,
         begin: f64,
         goal: &Pose,
-    ) -> Option<Course> {
+    ) -> Option<(Course, Pose)> {
         if now.set_point == goal || now.hold > self.parameters.longest_hold() {
             return None;
         }
         if let Some(course) = under_way.filter(|course| begin < course.end()) {
+            if course.is_for(goal) {
+                return None;
+            }
             let stop = course.stop(self.rig(), begin);
             let reference = course.at(begin);
             let error = (now.pose.minus(&reference.pose), now.rates - reference.rates);
             let from = stop.end_pose();
-            let leg = self.leg(now, &error, (&from, goal), stop.end())?;
-            return Some(Course::new(stop, Some(leg)));
+            let (leg, to) = self.as_far_as(now, &error, (&from, goal), stop.end())?;
+            return Some((Course::new(stop, Some(leg), goal), to));
         }
-        if !now.is_steady() {
-            return None;
-        }
+        // A robot that is not at rest there yet is in error: as much as the leg can bear.
         let error = (now.pose.minus(now.set_point), *now.rates);
-        Some(Course::new(self.leg(now, &error, (now.set_point, goal), begin)?, None))
+        let (leg, to) = self.as_far_as(now, &error, (now.set_point, goal), begin)?;
+        Some((Course::new(leg, None, goal), to))
+    }
+
+    /// The leg to `goal`, or a part of it.
+    fn as_far_as(
+        &self,
+        now: &Situation,
+        error: &Error,
+        (from, goal): (&Pose, &Pose),
+        begin: f64,
+    ) -> Option<(Leg, Pose)> {
+        PARTS.into_iter().find_map(|part| {
+            let to = Way { from, goal }.at(1.0 - part);
+            let is_worth_it = part == 1.0 || self.is_worth_it(from, &to);
+            let leg = is_worth_it.then(|| self.leg(now, error, (from, &to), begin))?;
+            Some((leg?, to))
+        })
     }
 
     /// The fastest motion between two poses at rest that leaves what is needed to the limits.
@@ -69,7 +89,12 @@ impl Planner {
     }
 
     /// The fastest motion that keeps `spare` (N) from the limits, and what holding the commands for `hold` (s) costs on it.
-    fn timed_way(&self, (from, to): (&Pose, &Pose), spare: f64, hold: f64) -> Option<(Way, Timing, f64)> {
+    fn timed_way(
+        &self,
+        (from, to): (&Pose, &Pose),
+        spare: f64,
+        hold: f64,
+    ) -> Option<(course::Way, Timing, f64)> {
         match self.shape.filter(|shape| is_level(shape, from) && is_level(shape, to)) {
             Some(shape) => self.along_a_line(&shape, (from, to), spare, hold),
             None => self.along_a_path((from, to), spare, hold),
@@ -83,7 +108,7 @@ impl Planner {
         (from, to): (&Pose, &Pose),
         spare: f64,
         hold: f64,
-    ) -> Option<(Way, Timing, f64)> {
+    ) -> Option<(course::Way, Timing, f64)> {
         let disturbed = BETWEEN * self.cost_of_disturbance(from)?.max(self.cost_of_disturbance(to)?);
         let limits = self.rig().common_limits().shrunk(spare + disturbed);
         let [start, end] = [from, to].map(|pose| shape.to_paper(pose).position());
@@ -91,18 +116,23 @@ impl Planner {
         let timing = line.fastest(0.0, self.greatest_speed(1.0, 0.0))?;
         let [first, second] = line.derivatives(&timing);
         let held = self.cost_of(hold, [first, second, line.change(&timing)]);
-        Some((Way::Line(line), timing, held))
+        Some((course::Way::Line(line), timing, held))
     }
 
     /// Of any rig.
-    fn along_a_path(&self, (from, to): (&Pose, &Pose), spare: f64, hold: f64) -> Option<(Way, Timing, f64)> {
+    fn along_a_path(
+        &self,
+        (from, to): (&Pose, &Pose),
+        spare: f64,
+        hold: f64,
+    ) -> Option<(course::Way, Timing, f64)> {
         let way = to.minus(from);
         let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
         let fastest = self.greatest_speed(linear, angular);
         let path = Path { from: *from, way, limits: self.limits(spare), fastest: fastest * fastest };
         let (timing, seen) = path.timed(self.rig())?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
-        Some((Way::Path(path), timing, held))
+        Some((course::Way::Path(path), timing, held))
     }
 
     /// What holding commands costs, N, where tensions have these derivatives and change by so much.
