@@ -1,7 +1,8 @@
 //! What explains the tensions: the point p, and what the closed form had predicted.
 
 use super::history::History;
-use cable_robot::control::{Response, tensions};
+use cable_robot::control::{Reference, Response, tensions};
+use cable_robot::plan::PlannerKind;
 use cable_robot::robot::{Coordinates, PerCable, Pose};
 
 /// p = P + P'' z/(g - z''), m, in the base plane: where the line of the net force that the cables shall give meets it.
@@ -29,7 +30,10 @@ fn demanded(history: &History, (pose, rates): &(Pose, Coordinates), row: usize) 
     let parameters = &history.info.controller_parameters;
     let middle = if parameters.hold_compensation { 0.5 * history.info.step } else { 0.0 };
     let response = Response::at(&parameters.gains(), middle);
-    let (_, _, demand) = response.motion_of(pose, rates, &history.set_point[row]);
+    let resting = Reference::resting(&history.set_point[row]);
+    let led = history.reference.as_ref().map_or(resting, |reference| reference[row]);
+    let [_, _, back] = response.error_of(&pose.minus(&led.pose), &(rates - led.rates));
+    let demand = led.accelerations + back;
     let believed = history.believed_force[row];
     [0, 1, 2].map(|k| demand[k] - parameters.rig.gravity[k] - believed[k] / parameters.rig.mass)
 }
@@ -41,14 +45,18 @@ fn measured(history: &History, row: usize) -> [f64; 3] {
     history.info.plant_parameters.rig.cables_at(pose).wrench(&tension).0.into()
 }
 
-/// Tensions of the closed form (12), (13) from the state in which the active set point was given, N, at each of `rows` (in order).
-/// `None` where the law is not at work; the whole is `None` if the controller does not tell its estimate.
+/// Tensions of the closed form (12), (13) from the state in which the active set point was given, N, at each of `rows` (in order); of a motion that the law
+/// followed those of that motion. `None` where the law is not at work; the whole is `None` if the controller does not tell its estimate.
 pub fn predicted(history: &History, rows: &[usize]) -> Option<Vec<Option<PerCable<f64>>>> {
     let estimate = history.estimate.as_ref()?;
     let parameters = &history.info.controller_parameters;
     let gains = parameters.gains();
     let given = history.set_point_rows();
     let at = |row: usize| {
+        if let (PlannerKind::MinimumTime, Some(reference)) = (parameters.planner, &history.reference) {
+            let Reference { pose, rates, accelerations } = &reference[row];
+            return tensions(&parameters.rig, pose, rates, accelerations, 0.0);
+        }
         let start = given[given.partition_point(|g| *g <= row) - 1];
         let ((pose, rates), set_point) = (&estimate[start], &history.set_point[row]);
         let response = Response::at(&gains, history.run.times[row] - history.run.times[start]);
@@ -68,7 +76,6 @@ pub fn columns(rows: &[Option<PerCable<f64>>], cables: usize) -> Vec<Vec<Option<
 mod tests {
     use super::*;
     use crate::tests::run;
-    use cable_robot::plan::PlannerKind;
     use cable_robot::robot::triangles::FACET_NORMALS;
 
     /// The identity of the paper notes: u = m l (g - z'') (a/2 - n·p) / (3 a z) with zero orientation, here at constant height.
@@ -114,6 +121,26 @@ mod tests {
             worst = (0..6).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(worst, f64::max);
         }
         assert!(worst < 0.05, "{worst} N apart");
+    }
+
+    /// The report drew the closed form towards the goal beside the fastest motion, and p far outside.
+    #[test]
+    fn the_fastest_motion_is_explained_by_the_reference() {
+        let folder = run(PlannerKind::MinimumTime, 1.0, 0.0);
+        let history = History::new(&folder).unwrap();
+        let rows: Vec<_> = (0..history.len()).collect();
+        let predicted = predicted(&history, &rows).unwrap();
+        let (robot, mut apart) = (history.paper.unwrap(), 0);
+        for row in rows.into_iter().skip(1) {
+            let tension = predicted[row].unwrap();
+            let worst = (0..6).map(|i| (tension[i] - history.run.tension[i][row]).abs()).fold(0.0, f64::max);
+            // In the step of a switch it is the mean that is commanded.
+            apart += usize::from(worst > 0.5);
+            let p = moving_point(&history, row).unwrap();
+            let inside = FACET_NORMALS.iter().map(|n| robot.a / 2.0 - n.x * p[0] - n.y * p[1]);
+            assert!(inside.fold(f64::INFINITY, f64::min) > 0.0, "row {row}: {p:?}");
+        }
+        assert!(apart <= 3, "{apart} rows apart");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The columns of a run folder as poses and rates.
 
 use super::{Run, RunFolder, RunInfo, Table, TableError};
+use cable_robot::control::Reference;
 use cable_robot::plan::Status;
 use cable_robot::robot::{Coordinates, Pose, RobotParameters, Shape};
 
@@ -25,6 +26,8 @@ pub struct History<'a> {
     pub goal: Vec<Pose>,
     /// What the controller believed of pose and rates; `None` if it did not say.
     pub estimate: Option<Vec<(Pose, Coordinates)>>,
+    /// What the law followed; `None` if the controller did not say.
+    pub reference: Option<Vec<Reference>>,
     /// What force it believed to act besides cables and weight, N; zero if it did not say.
     pub believed_force: Vec<[f64; 3]>,
     /// Numbers of [`Status`]; `None` if the controller did not say.
@@ -71,6 +74,7 @@ impl<'a> History<'a> {
             set_point: if says("setPoint") { poses(table, "controller.setPoint")? } else { goal.clone() },
             goal,
             estimate,
+            reference: if says("reference") { Some(references(table)?) } else { None },
             believed_force: believed_force(table),
             status: table.get("controller.status").map(|column| column.iter().map(|s| *s as i32).collect()),
             disturbance: DISTURBANCES.map(|name| greatest(table, name)),
@@ -146,6 +150,20 @@ pub fn status_name(status: Status) -> &'static str {
         Status::SensorFault => "sensor fault",
         Status::WaitingForPose => "waiting for a pose",
     }
+}
+
+fn references(table: &Table) -> Result<Vec<Reference>, TableError> {
+    let of = |name: &str| poses(table, &format!("controller.{name}"));
+    let (rates, accelerations) = (of("referenceVelocity")?, of("referenceAcceleration")?);
+    let motion = rates.into_iter().zip(accelerations);
+    let all = of("reference")?.into_iter().zip(motion);
+    Ok(all
+        .map(|(pose, (rates, accelerations))| Reference {
+            pose,
+            rates: rates.0,
+            accelerations: accelerations.0,
+        })
+        .collect())
 }
 
 fn poses(table: &Table, name: &str) -> Result<Vec<Pose>, TableError> {
