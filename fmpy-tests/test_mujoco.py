@@ -53,7 +53,7 @@ def test_the_papers_move_turns_and_interrupted_moves(version, planner):
             controller[name] = value
         controller.set(pose_names("encoderPose"), plant.pose())
         controller.initialize()
-        slow = 3.0 if planner == 2 else 0.7
+        slow = 3.0 if planner == 2 else 0.8
         goals = [
             (slow, [0.15, 0.15, 1.0, 0, 0, 0]),
             (0.2, [-0.1, 0.1, 0.8, 0, 0, 0]),

@@ -137,7 +137,10 @@ impl Controller {
             if inputs.encoder_pose.0 == Coordinates::zeros() { self.unset.saturating_sub(1) } else { 0 };
         match self.mode {
             Mode::Active => self.plan(&inputs.goal_pose),
-            Mode::Disabled | Mode::Waiting(_) => self.take_tuning(|_, _| true),
+            Mode::Disabled | Mode::Waiting(_) => {
+                self.course = None;
+                self.take_tuning(|_, _| true);
+            }
             Mode::Faulted(_) => {}
         }
         self.act(inputs, dt);

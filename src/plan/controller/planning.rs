@@ -1,12 +1,16 @@
 //! What the controller decides at a tick of the planner: goal, gains and the next set point.
 
 use super::{Controller, Mode};
+use crate::control::estimator::SETTLING;
 use crate::plan::aim::WORK;
 use crate::plan::interface::PlannerKind;
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::prediction::{Motion, Prediction};
 use crate::plan::tuning::{Pending, Tuning};
 use crate::robot::{Coordinates, ParameterError, Pose};
+
+/// Of communication points, as a share of the planner's period.
+const ROUNDING: f64 = 1e-6;
 
 impl Controller {
     /// What may change while it runs, as it was tuned last.
@@ -58,10 +62,10 @@ impl Controller {
         let period = self.planner.parameters.planner_period;
         let elapsed = (self.time - self.started) / period;
         // A tick is not missed for the rounding of communication points.
-        if elapsed < self.ticks as f64 - 1e-6 {
+        if elapsed < self.ticks as f64 - ROUNDING {
             return;
         }
-        self.ticks = ((elapsed + 1e-6).floor() as u64).saturating_add(1);
+        self.ticks = ((elapsed + ROUNDING).floor() as u64).saturating_add(1);
         self.take_tuning(Planner::can_go_on);
         let set_point = self.outputs.set_point;
         let goal = &self.take_goal(goal);
@@ -75,6 +79,7 @@ impl Controller {
         let stuck = self.is_steady()
             && next.is_none()
             && set_point != self.aim
+            && !self.is_settling()
             && !self.planner.waits(&self.situation(), &self.aim);
         self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
         let instead = if stuck { set_point } else { self.aim };
@@ -88,8 +93,17 @@ impl Controller {
         self.predict();
     }
 
+    /// Whether `MinimumTime` does not know yet how the robot moved when it started: its motions leave no room for that.
+    fn is_settling(&self) -> bool {
+        let is_fast = self.planner.parameters.planner == PlannerKind::MinimumTime;
+        is_fast && self.time - self.started < SETTLING * (1.0 - ROUNDING)
+    }
+
     /// Begins the course to where the planner makes for, from where the robot will be when its first command acts.
     fn set_out(&mut self, pose: &Pose, rates: &Coordinates) -> Option<Pose> {
+        if self.is_settling() {
+            return None;
+        }
         let then = Situation { pose, rates, ..self.situation() };
         let begin = self.time + self.foreseen_delay();
         let (course, end) = self.planner.course(&then, self.course.as_ref(), begin, &self.aim)?;

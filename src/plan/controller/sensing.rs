@@ -38,6 +38,8 @@ impl Controller {
         }
         if self.mode == Mode::Active && self.has_started_in_motion() {
             self.outputs.set_point = self.planner.stop(&self.situation());
+            // A course that was begun presumed rest.
+            self.course = None;
             self.predict();
         }
         if matches!(self.mode, Mode::Active | Mode::Disabled) {

@@ -75,6 +75,9 @@ impl Piece {
     ) -> bool {
         let shortest = libm::scalbn(self.duration, -MOST_HALVINGS);
         let (mut time, mut width) = (0.0, self.duration);
+        if !self.duration.is_finite() {
+            return false;
+        }
         while time < self.duration {
             if *spans == 0 || width < shortest {
                 return false;
