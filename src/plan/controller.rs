@@ -7,6 +7,8 @@ mod sensing;
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
+use planning::Refused;
+
 use super::aim::Search;
 use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, Status};
 use super::minimum_time::Course;
@@ -57,6 +59,7 @@ pub struct Controller {
     aimed_for: Option<Pose>,
     /// The search for where to make for instead of a new goal.
     search: Option<Search>,
+    refused: Option<Refused>,
     /// The motion to the set point or, after a fault, to a stop; without one the set point rests.
     course: Option<Course>,
     /// What was tuned and does not act yet.
@@ -113,6 +116,7 @@ impl Controller {
             aimed_for: None,
             search: None,
             course: None,
+            refused: None,
             wanted: None,
             outputs,
         };
@@ -138,7 +142,7 @@ impl Controller {
         match self.mode {
             Mode::Active => self.plan(&inputs.goal_pose),
             Mode::Disabled | Mode::Waiting(_) => {
-                self.course = None;
+                (self.course, self.refused) = (None, None);
                 self.take_tuning(|_, _| true);
             }
             Mode::Faulted(_) => {}
@@ -226,7 +230,12 @@ impl Controller {
     }
 
     fn is_steady(&self) -> bool {
-        self.situation().is_steady()
+        self.situation().is_steady() && !self.is_under_way()
+    }
+
+    /// Whether the law leads the robot on.
+    fn is_under_way(&self) -> bool {
+        self.course.as_ref().is_some_and(|course| self.time < course.end())
     }
 
     fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
@@ -240,7 +249,9 @@ impl Controller {
     fn report(&mut self, goal: &Pose) {
         // Once at rest, noise does not end it at once.
         let [of_pose, of_rates] = if self.outputs.steady { STILL_AT_REST } else { [1.0; 2] };
-        let steady = self.mode == Mode::Active && self.situation().is_steady_within(of_pose, of_rates);
+        let steady = self.mode == Mode::Active
+            && self.situation().is_steady_within(of_pose, of_rates)
+            && !self.is_under_way();
         let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;

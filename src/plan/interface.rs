@@ -120,6 +120,9 @@ impl Status {
 /// What the longest step follows from.
 pub const OF_LONGEST_STEP: &str = "with the planner Exact (lambda + eta) times step and commandDelay together is at most 1, and no step longer than largestStep";
 
+/// Most cables of a rig for `MinimumTime`: 252 fives; of sixteen there are 4,368, a second of work in one step.
+const MOST_CABLES: usize = 10;
+
 /// Largest gain that makes sense, 1/s.
 const MAX_GAIN: f64 = 1000.0;
 
@@ -416,6 +419,13 @@ impl ControllerParameters {
             let allowed = format!("Bounded knows the paper's rig only, and {other}: choose Exact (2)");
             return Err(ParameterError { name: "planner".into(), value: 1.0, allowed: allowed.into() });
         }
+        let cables = self.rig.cables.len();
+        if self.planner == PlannerKind::MinimumTime && cables > MOST_CABLES {
+            let allowed = format!(
+                "MinimumTime looks at every five cables, of {MOST_CABLES} at most, and the rig has {cables}: choose Exact (2)"
+            );
+            return Err(ParameterError { name: "planner".into(), value: 3.0, allowed: allowed.into() });
+        }
         Ok(())
     }
 
@@ -494,6 +504,12 @@ mod tests {
         assert!(broken(|p| p.rig.cables[4].anchor.y = f64::NAN).contains("parameter anchor[5].y = NaN"));
         let bent = broken(|p| p.rig.cables[4].anchor.y += 0.02);
         assert!(bent.contains("parameter planner = 1") && bent.contains("of cable 5 is"), "{bent}");
+        let many = broken(|p| {
+            p.planner = PlannerKind::MinimumTime;
+            let cables: Vec<_> = p.rig.cables.iter().copied().collect();
+            p.rig.cables = PerCable::from_fn(11, |i| cables[i % 6]);
+        });
+        assert!(many.contains("parameter planner = 3") && many.contains("the rig has 11"), "{many}");
         assert!(broken(|p| p.lambda = 0.0).contains("parameter lambda = 0"));
         assert!(broken(|p| p.eta = -2.0).contains("parameter eta = -2"));
         assert!(broken(|p| p.bisection_steps = 0).contains("parameter bisectionSteps = 0"));

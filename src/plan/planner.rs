@@ -112,6 +112,9 @@ impl Planner {
             }
             PlannerKind::Bounded => None,
             PlannerKind::Exact => self.exact(now, goal),
+            PlannerKind::MinimumTime if now.set_point != goal && !self.is_worth_it(now.set_point, goal) => {
+                Some(*goal)
+            }
             PlannerKind::MinimumTime => self.course(now, None, 0.0, goal).map(|(_, to)| to),
         }
     }

@@ -33,10 +33,12 @@ impl Controller {
     /// The tensions of a stop in the middle of the interval in which they act: of the course, if it was on one.
     fn braking(&self, stop: &Stop) -> PerCable<f64> {
         let parameters = &self.planner.parameters;
-        let middle = self.time + parameters.command_delay + 0.5 * self.hold[0];
+        let begin = self.time + parameters.command_delay;
+        let middle = begin + 0.5 * self.hold[0];
         let tension = match &self.course {
             Some(course) => {
-                let Reference { pose, rates, accelerations } = course.at(middle);
+                let Reference { pose, rates, accelerations } =
+                    self.held(begin, middle, |time| course.at(time));
                 tensions(self.planner.rig(), &pose, &rates, &accelerations, self.planner.allowance())
             }
             None => self.planner.tensions_of(stop, middle),
@@ -53,10 +55,18 @@ impl Controller {
     /// The reference for which the command of this step is computed, with the mean of its accelerations over the interval in which it acts.
     fn followed(&self) -> Reference {
         let begin = self.time + self.foreseen_delay();
-        let hold = self.hold[0];
-        let mut reference = self.reference(if self.is_compensated() { begin + 0.5 * hold } else { begin });
-        if self.course.is_some() && hold > 0.0 {
-            let [before, after] = [begin, begin + hold].map(|time| self.reference(time).rates);
+        let at = if self.is_compensated() { begin + 0.5 * self.hold[0] } else { begin };
+        if self.course.is_none() {
+            return self.reference(at);
+        }
+        self.held(begin, at, |time| self.reference(time))
+    }
+
+    /// A motion at a time (s), with the mean of its accelerations over the interval from `begin` (s) on in which a command is held.
+    fn held(&self, begin: f64, at: f64, motion: impl Fn(f64) -> Reference) -> Reference {
+        let (mut reference, hold) = (motion(at), self.hold[0]);
+        if hold > 0.0 {
+            let [before, after] = [begin, begin + hold].map(|time| motion(time).rates);
             reference.accelerations = (after - before) / hold;
         }
         reference

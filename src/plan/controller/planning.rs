@@ -1,5 +1,7 @@
 //! What the controller decides at a tick of the planner: goal, gains and the next set point.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Controller, Mode};
 use crate::control::estimator::SETTLING;
 use crate::plan::aim::WORK;
@@ -8,6 +10,24 @@ use crate::plan::planner::{Planner, Situation};
 use crate::plan::prediction::{Motion, Prediction};
 use crate::plan::tuning::{Pending, Tuning};
 use crate::robot::{Coordinates, ParameterError, Pose};
+
+/// A course that was not found is looked for again after this time, s.
+const PATIENCE: f64 = 0.5;
+
+/// What no course was found for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Refused {
+    set_point: Pose,
+    aim: Pose,
+    /// When it is tried again, s.
+    until: f64,
+}
+
+impl Refused {
+    fn is_still(&self, set_point: &Pose, aim: &Pose, time: f64) -> bool {
+        (self.set_point, self.aim) == (*set_point, *aim) && time < self.until
+    }
+}
 
 /// Of communication points, as a share of the planner's period.
 const ROUNDING: f64 = 1e-6;
@@ -104,9 +124,24 @@ impl Controller {
         if self.is_settling() {
             return None;
         }
+        let (set_point, aim) = (self.outputs.set_point, self.aim);
+        if set_point == aim
+            || self.refused.is_some_and(|refused| refused.is_still(&set_point, &aim, self.time))
+        {
+            return None;
+        }
         let then = Situation { pose, rates, ..self.situation() };
         let begin = self.time + self.foreseen_delay();
-        let (course, end) = self.planner.course(&then, self.course.as_ref(), begin, &self.aim)?;
+        if !self.is_under_way() && !self.planner.is_worth_it(&set_point, &aim) {
+            self.course = None;
+            return Some(aim);
+        }
+        let found = self.planner.course(&then, self.course.as_ref(), begin, &aim);
+        let is_asked =
+            !self.course.as_ref().is_some_and(|course| begin < course.end() && course.is_for(&aim));
+        let until = self.time + PATIENCE;
+        self.refused = (found.is_none() && is_asked).then_some(Refused { set_point, aim, until });
+        let (course, end) = found?;
         self.course = Some(course);
         Some(end)
     }

@@ -84,7 +84,7 @@ impl Controller {
         self.outputs.fault = fault;
         // Where a command that is computed now begins to act, if it is on a course.
         let turn = self.time + self.planner.parameters.command_delay;
-        let under_way = self.course.as_ref().filter(|course| turn < course.end());
+        let under_way = self.course.as_ref().filter(|course| since < course.end());
         self.course = under_way.map(|course| course.stopped(self.planner.rig(), turn));
         let Estimator { pose, rates, .. } = self.estimator;
         Mode::Faulted(Stop { pose, rates, since, at: self.planner.stop(&self.situation()) })

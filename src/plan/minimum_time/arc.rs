@@ -91,9 +91,12 @@ impl Timing {
     /// Adds the arc from the end so far, with the speed `v` (m/s), on to `to` (m), where it has the speed `v1`.
     pub(super) fn push(&mut self, v: f64, [a, beta]: [f64; 2], to: f64, v1: f64) {
         let arc = Arc { begin: self.duration, s: self.end, v, a, beta };
-        self.duration += arc.time(to - self.end, v1);
+        let time = arc.time(to - self.end, v1);
         self.end = to;
-        self.arcs.push(arc);
+        // Rounding may leave an arc without speed; what a saved state says may be anything.
+        if time.is_finite() && self.arcs.try_push(arc).is_ok() {
+            self.duration += time;
+        }
     }
 
     /// The arcs.

@@ -12,30 +12,32 @@
 use nalgebra::Vector6;
 
 use super::polygon::{Condition, Polygon};
-use crate::robot::dynamics::required_wrench;
-use crate::robot::{Coordinates, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::dynamics::{required_wrench, wrench_of};
+use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
 /// What six coordinates have one of more of.
 const FIVE: usize = 5;
 /// Five columns whose last pivot is smaller than this, of columns of length one, span no plane.
 const FLAT: f64 = 1e-9;
-/// Accelerations looked at: up to this many times gravity.
-const MOST_G: f64 = 1e3;
+/// Accelerations looked at: up to this many times gravity, and what all cables together give.
+const MOST_G: f64 = 100.0;
 
 /// The s'' and s'² at a pose on the way `way` (D) with which there are tensions within `limits`; empty where there are none.
 pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &Coordinates) -> Polygon {
     let none = Coordinates::zeros();
     let at_rest = required_wrench(rig, pose, &none, &none);
-    let of_a = required_wrench(rig, pose, &none, way) - at_rest;
+    let of_a = wrench_of(rig, pose, way);
     let of_x = required_wrench(rig, pose, way, &none) - at_rest;
     let radius = rig.platform_radius();
     // Torques count as forces at the platform's radius, so that lengths mean something.
     let scaled = |w: &Vector6<f64>| Vector6::from_fn(|k, _| if k < 3 { w[k] } else { w[k] / radius });
     let columns = rig.cables_at(pose).wrench_matrix().map(|column| scaled(&column));
     let [at_rest, of_a, of_x] = [at_rest, of_a, of_x].map(|w| scaled(&w));
-    let most = MOST_G * rig.gravity.norm()
-        / (way.fixed_rows::<3>(0).norm() + radius * way.fixed_rows::<3>(3).norm());
+    let most = most(rig, limits, way);
     let mut polygon = Polygon::rectangle(most, most);
+    if columns.len() < LEAST_CABLES || limits.len() != columns.len() {
+        return Polygon::none();
+    }
     let mut chosen = [0, 1, 2, 3, 4];
     loop {
         if let Some(normal) = across(&columns, &chosen) {
@@ -61,6 +63,14 @@ pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &
             return polygon;
         }
     }
+}
+
+/// The greatest s'' and s'² looked at, 1/s².
+fn most(rig: &Rig, limits: &PerCable<TensionLimits>, way: &Coordinates) -> f64 {
+    let pulls = limits.iter().map(|limits| limits.max).filter(|max| max.is_finite());
+    let fastest = MOST_G * rig.gravity.norm() + pulls.sum::<f64>() / rig.mass;
+    let [linear, angular] = [0, 3].map(|k| way.fixed_rows::<3>(k).norm());
+    fastest / (linear + rig.platform_radius() * angular)
 }
 
 /// The next five of so many, in order; whether there are any.
@@ -132,7 +142,12 @@ mod tests {
                 let margin = widest_margin(&rig, &rig.cables_at(&pose).wrench_matrix(), &wrench);
                 let is_in =
                     polygon.between(x).is_some_and(|[least, greatest]| (least..=greatest).contains(&a));
-                assert!(is_in == (margin >= 0.0) || margin.abs() < 1e-6 * rig.weight(), "{margin} {is_in}");
+                let is_looked_at =
+                    a.abs() < most(&rig, &rig.limits(), &way) && x < most(&rig, &rig.limits(), &way);
+                assert!(
+                    !is_looked_at || is_in == (margin >= 0.0) || margin.abs() < 1e-6 * rig.weight(),
+                    "{margin} {is_in}"
+                );
                 *(if is_in { &mut inside } else { &mut outside }) += 1;
             }
             println!("{} cables: {inside} inside, {outside} outside", rig.cables.len());

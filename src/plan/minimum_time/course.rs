@@ -82,10 +82,10 @@ impl Leg {
         }
     }
 
-    /// The stop that begins at a time (s) on it; where none is proved that ends before it does, itself.
+    /// The stop that begins at a time (s) on it: where it rests, rest; where none is proved that ends before it does, itself.
     fn stop(&self, rig: &Rig, time: f64) -> Self {
         let [s, v, _] = self.timing.at(time - self.begin);
-        let stop = if v > 0.0 { self.way.stop(rig, s, v) } else { None };
+        let stop = if v > 0.0 { self.way.stop(rig, s, v) } else { Some(Timing::begun_at(s)) };
         match stop {
             Some(timing) => Self { timing, begin: time, ..self.clone() },
             None => self.clone(),
@@ -108,7 +108,7 @@ impl Course {
     }
 
     /// Whether it was planned for this goal.
-    pub(super) fn is_for(&self, goal: &Pose) -> bool {
+    pub(in crate::plan) fn is_for(&self, goal: &Pose) -> bool {
         self.goal == *goal
     }
 

@@ -44,6 +44,17 @@ impl Line {
 
     /// What the tension of a cable changes by at most on the way, N.
     pub fn change(&self, timing: &Timing) -> f64 {
+        let [least, greatest] = self.range(timing);
+        (0..SIX).map(|i| greatest[i] - least[i]).fold(0.0, f64::max)
+    }
+
+    /// The greatest tension on the way, N.
+    pub fn greatest(&self, timing: &Timing) -> f64 {
+        self.range(timing)[1].into_iter().fold(0.0, f64::max)
+    }
+
+    /// The least and the greatest of each tension at the ends of the arcs, N.
+    fn range(&self, timing: &Timing) -> [[f64; SIX]; 2] {
         let (mut least, mut greatest) = ([f64::INFINITY; SIX], [f64::NEG_INFINITY; SIX]);
         let mut include = |tension: [f64; SIX]| {
             for i in 0..SIX {
@@ -59,6 +70,6 @@ impl Line {
                 include(self.tensions(s, a));
             }
         }
-        (0..SIX).map(|i| greatest[i] - least[i]).fold(0.0, f64::max)
+        [least, greatest]
     }
 }

@@ -134,7 +134,8 @@ impl Line {
     /// `None` where one of them is not positive, or nothing bounds s'' on that side, or the line goes up to the base.
     fn bounds(&self) -> Option<Bounds> {
         let (mut rise, mut fall) = (Bound::new(), Bound::new());
-        if [0.0, self.length].into_iter().any(|s| self.point(s).z <= 0.0) {
+        let has_length = self.length > 0.0 && self.length.is_finite();
+        if !has_length || [0.0, self.length].into_iter().any(|s| self.point(s).z <= 0.0) {
             return None;
         }
         for k in 0..PIECES {

@@ -20,10 +20,23 @@ const INTERVALS: usize = MOST_ARCS;
 /// times as much where that was not enough.
 const NARROWED: [f64; 2] = [1e-4, 1e-3];
 const MORE: f64 = 4.0;
-/// How often.
-const ROUNDS: usize = 5;
-/// Spans of time that the proofs of one plan look at.
+/// Times that ways are timed, and spans of time that their proofs look at, in one decision of the planner; the spans of a stop besides.
+const MOST_TIMINGS: usize = 8;
 const MOST_SPANS: usize = 2000;
+
+/// What is left of a decision's work.
+#[derive(Clone, Copy, Debug)]
+pub struct Work {
+    timings: usize,
+    spans: usize,
+}
+
+impl Work {
+    /// Of one decision.
+    pub fn of_a_decision() -> Self {
+        Self { timings: MOST_TIMINGS, spans: MOST_SPANS }
+    }
+}
 
 /// A straight way through the six coordinates: q = `from` + `way` s, s from 0 to 1, and what is to be kept on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,8 +55,9 @@ pub struct Path {
 type Narrowed = [f64; INTERVALS + 1];
 
 impl Path {
-    /// The fastest motion from rest to rest, and what was seen of its tensions. `None` where none is found and proved.
-    pub fn timed(&self, rig: &Rig) -> Option<(Timing, Seen)> {
+    /// The fastest motion from rest to rest, and what was seen of its tensions. `None` where none is found and proved with the `work` that is left, and where the
+    /// platform cannot rest somewhere on the way.
+    pub fn timed(&self, rig: &Rig, work: &mut Work) -> Option<(Timing, Seen)> {
         let is_sensible = |k: usize| {
             let pose = self.pose(place(k));
             rig.can_be_at(&pose) && pose.0[PITCH].abs() < STEEPEST
@@ -52,11 +66,11 @@ impl Path {
             return None;
         }
         let mut narrowed = [narrowed_at_first(rig); INTERVALS + 1];
-        let mut spans = MOST_SPANS;
-        for _ in 0..ROUNDS {
+        while work.timings > 0 {
+            work.timings -= 1;
             let timing = self.fastest(rig, &narrowed)?;
             let mut seen = Seen::none(rig);
-            let failed = self.not_proved(rig, &timing, &mut spans, &mut seen);
+            let failed = self.not_proved(rig, &timing, &mut work.spans, &mut seen);
             if failed == [false; MOST_ARCS] {
                 return Some((timing, seen));
             }
@@ -72,6 +86,7 @@ impl Path {
     pub fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
         let narrowed = narrowed_at_first(rig);
         let mut timing = Timing::begun_at(s);
+        let s = s.max(0.0);
         let (mut here, mut x) = (self.polygon(rig, s, narrowed), v * v);
         let first = (0..=INTERVALS).find(|k| place(*k) > s)?;
         for k in first..=INTERVALS {
@@ -92,7 +107,8 @@ impl Path {
         }
         let mut spans = MOST_SPANS;
         let failed = self.not_proved(rig, &timing, &mut spans, &mut Seen::none(rig));
-        (x == 0.0 && failed == [false; MOST_ARCS]).then_some(timing)
+        let is_held = x == 0.0 && self.polygon(rig, timing.end, narrowed).has_rest();
+        (is_held && failed == [false; MOST_ARCS]).then_some(timing)
     }
 
     fn pose(&self, s: f64) -> Pose {
@@ -120,10 +136,16 @@ impl Path {
         };
         let mut most = [0.0; INTERVALS + 1];
         let mut next = at(INTERVALS);
+        if !next.has_rest() {
+            return None;
+        }
         // A corner of the polygons, which rounding must not cut off.
         most[INTERVALS] = STILL * next.highest()?;
         for k in (0..INTERVALS).rev() {
             let here = at(k);
+            if !here.has_rest() {
+                return None;
+            }
             most[k] = leading(here.clone(), &next, most[k + 1]).highest()?;
             next = here;
         }
@@ -134,7 +156,7 @@ impl Path {
             let polygon = leading(here, &next, most[k + 1]);
             let [_, greatest] = polygon.between(f64::min(x, polygon.highest()?))?;
             let is_last = k + 1 == INTERVALS;
-            let after = if is_last { 0.0 } else { (x + 2.0 * ds * greatest).clamp(0.0, most[k + 1]) };
+            let after = if is_last { 0.0 } else { (x + 2.0 * ds * greatest).max(0.0).min(most[k + 1]) };
             if x + after <= 0.0 {
                 return None;
             }
@@ -205,7 +227,7 @@ mod tests {
             let from = Pose::default();
             let line = Line::new(&RobotParameters::default(), limits, &from.position(), &to.position());
             let expected = line.fastest(0.0, f64::INFINITY).unwrap().duration;
-            let found = path(&rig, from, &to).timed(&rig).unwrap().0.duration;
+            let found = path(&rig, from, &to).timed(&rig, &mut Work::of_a_decision()).unwrap().0.duration;
             println!("{expected:.5} s, on the grid {found:.5} s");
             assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
         }
@@ -234,7 +256,7 @@ mod tests {
             let (mut planned, mut stopped) = (0, 0);
             for _ in 0..runs {
                 let path = path(rig, end(), &end());
-                let Some((timing, _)) = path.timed(rig) else { continue };
+                let Some((timing, _)) = path.timed(rig, &mut Work::of_a_decision()) else { continue };
                 planned += 1;
                 let check = |timing: &Timing| {
                     let arcs = timing.arcs();

@@ -4,8 +4,8 @@ use super::arc::Timing;
 use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
-use super::path::Path;
-use crate::control::Sensitivity;
+use super::path::{Path, Work};
+use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
@@ -18,11 +18,20 @@ const MORE: f64 = 1.05;
 const PLANS: usize = 2;
 /// Where the whole way is not proved, so much of it is tried.
 const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-/// Errors and disturbances are looked at where a leg begins and ends: in between they cost at most this many times as much.
+/// Errors and disturbances are looked at where a leg begins and ends, about rest: in between they cost at most this many times as much, errors also as many times as
+/// the cables pull more.
 const BETWEEN: f64 = 2.0;
 
 /// Of the pose and the rates, from a reference.
 type Error = (Coordinates, Coordinates);
+
+/// A motion along a way, what holding the commands costs on it, and the greatest tension, N.
+struct Timed {
+    way: course::Way,
+    timing: Timing,
+    held: f64,
+    greatest: f64,
+}
 
 impl Planner {
     /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
@@ -34,7 +43,7 @@ impl Planner {
         begin: f64,
         goal: &Pose,
     ) -> Option<(Course, Pose)> {
-        if now.set_point == goal || now.hold > self.parameters.longest_hold() {
+        if !self.is_worth_it(now.set_point, goal) || now.hold > self.parameters.longest_hold() {
             return None;
         }
         if let Some(course) = under_way.filter(|course| begin < course.end()) {
@@ -62,43 +71,49 @@ impl Planner {
         (from, goal): (&Pose, &Pose),
         begin: f64,
     ) -> Option<(Leg, Pose)> {
+        let mut work = Work::of_a_decision();
         PARTS.into_iter().find_map(|part| {
             let to = Way { from, goal }.at(1.0 - part);
-            let is_worth_it = part == 1.0 || self.is_worth_it(from, &to);
-            let leg = is_worth_it.then(|| self.leg(now, error, (from, &to), begin))?;
+            let is_meant = self.is_worth_it(from, &to) && self.rests_at(&to, 0.0);
+            let leg = is_meant.then(|| self.leg(now, error, (from, &to), begin, &mut work))?;
             Some((leg?, to))
         })
     }
 
     /// The fastest motion between two poses at rest that leaves what is needed to the limits.
-    fn leg(&self, now: &Situation, error: &Error, (from, to): (&Pose, &Pose), begin: f64) -> Option<Leg> {
-        let of_error = BETWEEN * self.cost_of_error(from, error)?.max(self.cost_of_error(to, error)?);
+    fn leg(
+        &self,
+        now: &Situation,
+        error: &Error,
+        (from, to): (&Pose, &Pose),
+        begin: f64,
+        work: &mut Work,
+    ) -> Option<Leg> {
+        let of_error = self.cost_of_error(from, error)?.max(self.cost_of_error(to, error)?);
         let unknown = self.unknown_on_the_way(from, to);
+        let at_rest = self.greatest_at_rest(from)?.min(self.greatest_at_rest(to)?);
         // Where less is left at rest, no more is asked for.
         let most = (LEFT * self.known_margin_at(from)).max(0.0);
-        let mut spare = self.allowance().max(of_error);
+        let mut spare = self.allowance().max(BETWEEN * of_error);
         for _ in 0..PLANS {
-            let (way, timing, held) = self.timed_way((from, to), (unknown + spare).min(most), now.hold)?;
-            if of_error + held <= spare.min(most) {
+            let kept = (unknown + spare).min(most);
+            let Timed { way, timing, held, greatest } = self.timed((from, to), kept, now.hold, work)?;
+            // A shift costs the more the more the cables pull.
+            let needed = of_error * BETWEEN.max(greatest / at_rest) + held;
+            if needed <= (kept - unknown).max(0.0) {
                 let direction = to.minus(from) / way.length();
                 return Some(Leg { way, timing, begin, from: *from, direction, held });
             }
-            spare = MORE * (of_error + held);
+            spare = MORE * needed;
         }
         None
     }
 
-    /// The fastest motion that keeps `spare` (N) from the limits, and what holding the commands for `hold` (s) costs on it.
-    fn timed_way(
-        &self,
-        (from, to): (&Pose, &Pose),
-        spare: f64,
-        hold: f64,
-    ) -> Option<(course::Way, Timing, f64)> {
-        match self.shape.filter(|shape| is_level(shape, from) && is_level(shape, to)) {
-            Some(shape) => self.along_a_line(&shape, (from, to), spare, hold),
-            None => self.along_a_path((from, to), spare, hold),
-        }
+    /// The fastest motion that keeps `spare` (N) from the limits, with commands that are held for `hold` (s): in closed form where that knows the way, else on a grid.
+    fn timed(&self, ends: (&Pose, &Pose), spare: f64, hold: f64, work: &mut Work) -> Option<Timed> {
+        let shape = self.shape.filter(|shape| is_level(shape, ends.0) && is_level(shape, ends.1));
+        let in_closed_form = shape.and_then(|shape| self.along_a_line(&shape, ends, spare, hold));
+        in_closed_form.or_else(|| self.along_a_path(ends, spare, hold, work))
     }
 
     /// Of the paper's robot without a turn. What is estimated to disturb is not in the closed form: more is left to the limits.
@@ -108,7 +123,7 @@ impl Planner {
         (from, to): (&Pose, &Pose),
         spare: f64,
         hold: f64,
-    ) -> Option<(course::Way, Timing, f64)> {
+    ) -> Option<Timed> {
         let disturbed = BETWEEN * self.cost_of_disturbance(from)?.max(self.cost_of_disturbance(to)?);
         let limits = self.rig().common_limits().shrunk(spare + disturbed);
         let [start, end] = [from, to].map(|pose| shape.to_paper(pose).position());
@@ -116,7 +131,8 @@ impl Planner {
         let timing = line.fastest(0.0, self.greatest_speed(1.0, 0.0))?;
         let [first, second] = line.derivatives(&timing);
         let held = self.cost_of(hold, [first, second, line.change(&timing)]);
-        Some((course::Way::Line(line), timing, held))
+        let greatest = line.greatest(&timing);
+        Some(Timed { way: course::Way::Line(line), timing, held, greatest })
     }
 
     /// Of any rig.
@@ -125,14 +141,21 @@ impl Planner {
         (from, to): (&Pose, &Pose),
         spare: f64,
         hold: f64,
-    ) -> Option<(course::Way, Timing, f64)> {
+        work: &mut Work,
+    ) -> Option<Timed> {
         let way = to.minus(from);
         let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
         let fastest = self.greatest_speed(linear, angular);
         let path = Path { from: *from, way, limits: self.limits(spare), fastest: fastest * fastest };
-        let (timing, seen) = path.timed(self.rig())?;
+        let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
-        Some((course::Way::Path(path), timing, held))
+        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest() })
+    }
+
+    /// The greatest tension at rest, N.
+    fn greatest_at_rest(&self, at: &Pose) -> Option<f64> {
+        let tension = static_tensions(self.rig(), at, self.allowance())?;
+        Some(tension.into_iter().fold(0.0, f64::max)).filter(|greatest| *greatest > 0.0)
     }
 
     /// What holding commands costs, N, where tensions have these derivatives and change by so much.

@@ -35,6 +35,16 @@ impl Polygon {
         Self { corners: [[-a, 0.0], [a, 0.0], [a, x], [-a, x]].into_iter().collect() }
     }
 
+    /// Nothing.
+    pub fn none() -> Self {
+        Self { corners: ArrayVec::new() }
+    }
+
+    /// Whether the platform may rest: whether s'' = s'² = 0 is in it.
+    pub fn has_rest(&self) -> bool {
+        self.between(0.0).is_some_and(|[least, greatest]| least <= 0.0 && greatest >= 0.0)
+    }
+
     /// Whether no point is in it.
     pub fn is_empty(&self) -> bool {
         self.corners.is_empty()

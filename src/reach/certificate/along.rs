@@ -48,6 +48,11 @@ impl Seen {
         self.range.change()
     }
 
+    /// The greatest tension, N.
+    pub fn greatest(&self) -> f64 {
+        self.range.of_cable.iter().map(|[_, greatest]| *greatest).fold(0.0, f64::max)
+    }
+
     fn include(&mut self, tensions: &[Taylor], half: f64) {
         self.range.include(tensions, 0.0);
         for tension in tensions {
