@@ -78,7 +78,9 @@ class Exchanged:
         self.description = read_model_description(path)
         self.fmi3 = version == 3
         self.folder = extract(path)
-        self.fmu = instantiate_fmu(self.folder, self.description, fmi_type="ModelExchange")
+        self.messages = []
+        logger = (lambda *log: self.messages.append(log[-1]))
+        self.fmu = instantiate_fmu(self.folder, self.description, fmi_type="ModelExchange", logger=logger)
         self.derivatives = self.fmu.getContinuousStateDerivatives if self.fmi3 else self.fmu.getDerivatives
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
 
