@@ -115,7 +115,7 @@ def test_in_reals_everything_is_a_real_and_the_steps_are_the_same(folder, in_rea
 def test_a_real_that_stands_for_something_else_takes_only_what_that_takes(in_reals, version):
     path = in_reals / f"fmi{version}" / "CableRobotController.fmu"
     for name, wrong, allowed in [
-        ("enable", 0.5, "0 (false) or 1 (true)"), ("bisectionSteps", 7.5, "a whole number"), ("planner", 3.0, "2 (Exact)")
+        ("enable", 0.5, "0 (false) or 1 (true)"), ("bisectionSteps", 7.5, "a whole number"), ("planner", 4.0, "2 (Exact)")
     ]:
         slave = Slave(path)
         with pytest.raises(Exception):
