@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from fmpy import extract, instantiate_fmu, read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.sundials import CVodeSolver
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
@@ -77,7 +78,9 @@ class Exchanged:
         self.description = read_model_description(path)
         self.fmi3 = version == 3
         self.folder = extract(path)
-        self.fmu = instantiate_fmu(self.folder, self.description, fmi_type="ModelExchange")
+        self.messages = []
+        logger = (lambda *log: self.messages.append(log[-1]))
+        self.fmu = instantiate_fmu(self.folder, self.description, fmi_type="ModelExchange", logger=logger)
         self.derivatives = self.fmu.getContinuousStateDerivatives if self.fmi3 else self.fmu.getDerivatives
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
 
@@ -240,3 +243,31 @@ def test_directional_derivatives_are_those_of_differences(version):
             plant.put(x)
             said = np.array(plant.fmu.getDirectionalDerivative(unknown, [known[k]], [1.0]))
             assert np.abs(said - seen).max() < 1e-5 * (1.0 + np.abs(seen).max()), states[k]
+
+
+@pytest.mark.parametrize("integrator", [CVode, RK45])
+def test_a_free_fall_has_no_event_without_end(version, integrator):
+    """Without friction all pulls are zero: indicators that are zero too stopped SciPy's integrators at every restart."""
+    with Exchanged(version) as plant:
+        plant.start({})
+        integrator, time = integrator(plant), 0.0
+        plant.event({name: 0.0 for name in MOTORS})
+        assert np.all(plant.indicators(plant.states()) < 0.0)
+        integrator.restart(time)
+        event, time = integrator.advance(time, 0.1)
+        assert not event and abs(time - 0.1) < 1e-12
+        assert abs(plant.get(POSE)[2] - (1.0 + 0.5 * 9.81 * 0.1**2)) < 1e-9
+
+
+def test_what_is_no_number_is_discarded_by_every_getter(version):
+    """At a quaternion of length zero the derivatives were discarded and the outputs were NaN with status OK."""
+    with Exchanged(version) as plant:
+        plant.start({})
+        states = plant.states()
+        states[6:10] = 0.0
+        plant.put(states)
+        for name in ("encoderPose.roll", "cableLength[1]"):
+            with pytest.raises(FMICallException) as refused:
+                plant.get([name])
+            assert refused.value.status == 2
+        assert np.isfinite(plant.get(["velocity.x"])).all()

@@ -255,7 +255,12 @@ impl Controller {
         let at_goal = steady && !self.unreachable && !self.planner.is_worth_it(&self.outputs.set_point, goal);
         self.outputs.estimated_pose = self.estimator.pose;
         self.outputs.estimated_velocity = self.estimator.rates;
-        self.outputs.reference = self.reference(self.time + self.foreseen_delay());
+        let begins = self.time + self.foreseen_delay();
+        self.outputs.reference = match (self.mode, &self.course) {
+            (Mode::Faulted(_), Some(course)) => course.at(begins),
+            (Mode::Faulted(stop), None) => Reference::resting(&stop.at),
+            _ => self.reference(begins),
+        };
         self.outputs.disturbance = self.estimator.disturbance;
         self.outputs.estimated_mass = estimated_mass(self.planner.rig());
         self.outputs.steady = steady;

@@ -38,7 +38,12 @@ pub fn velocity(state: &State) -> Vector3<f64> {
 
 /// Orientation as a matrix.
 pub fn rotation(state: &State) -> Rotation3<f64> {
-    UnitQuaternion::from_quaternion(quaternion(state)).to_rotation_matrix()
+    let quaternion = quaternion(state);
+    let size = quaternion.coords.amax();
+    // Whose square is no number any more.
+    let is_extreme = size > 0.0 && !(1e-100..1e100).contains(&size);
+    let quaternion = if is_extreme { quaternion / size } else { quaternion };
+    UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix()
 }
 
 /// Angular velocity in the base frame, rad/s.

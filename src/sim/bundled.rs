@@ -1,10 +1,11 @@
 //! The scenarios that come with the program.
 
 /// Name and text of each, see [`ScenarioFile`](super::ScenarioFile).
-pub const BUNDLED: [(&str, &str); 6] = [
+pub const BUNDLED: [(&str, &str); 7] = [
     ("paper", include_str!("../../scenarios/paper.toml")),
     ("experiment", include_str!("../../scenarios/experiment.toml")),
     ("tour", include_str!("../../scenarios/tour.toml")),
+    ("fast", include_str!("../../scenarios/fast.toml")),
     ("gust", include_str!("../../scenarios/gust.toml")),
     ("detour", include_str!("../../scenarios/detour.toml")),
     ("unreachable", include_str!("../../scenarios/unreachable.toml")),

@@ -16,6 +16,9 @@ pub struct ContinuousPlant {
     taut: PerCable<bool>,
 }
 
+/// N: a sign rather than a size.
+const AWAY: f64 = f64::MIN_POSITIVE;
+
 impl ContinuousPlant {
     /// At rest at the initial pose. Of the imperfections only friction is simulated.
     ///
@@ -42,7 +45,14 @@ impl ContinuousPlant {
         body::derivative(&Body::new(&self.parameters.rig), &self.state, tension, disturbance)
     }
 
-    /// What each cable would pull if it could also push, N: it goes slack where this falls to zero. The event indicators. A command that passes through
+    /// The event indicators: the pull, moved away from zero by a little on the side on which the cable is taken to be, so that none is zero where an integrator starts
+    /// anew. FMI asks for that; SciPy stops at such a zero for ever.
+    pub fn indicators(&self, inputs: &PlantInputs) -> PerCable<f64> {
+        let pull = self.pull(inputs);
+        PerCable::from_fn(pull.len(), |i| pull[i] + if self.taut[i] { AWAY } else { -AWAY })
+    }
+
+    /// What each cable would pull if it could also push, N: it goes slack where this falls to zero. A command that passes through
     /// zero while friction holds its cable bends the pull and changes no sign.
     pub fn pull(&self, inputs: &PlantInputs) -> PerCable<f64> {
         self.pull_of(inputs, &self.cables())
@@ -143,6 +153,18 @@ mod tests {
         assert_eq!(plant.outputs(&inputs).measured_tension[2], 0.0);
         plant.settle(&inputs);
         assert_eq!(plant.outputs(&inputs).measured_tension[2], 1.0);
+    }
+
+    /// In free fall, without friction, all six were zero at every restart, and SciPy's integrators never left it.
+    #[test]
+    fn no_indicator_is_zero_where_an_integrator_starts_anew() {
+        for newtons in [0.0, 10.0, -1.0] {
+            let mut plant = ContinuousPlant::new(parameters(0.0), &pulling(10.0)).unwrap();
+            plant.settle(&pulling(newtons));
+            let found = plant.indicators(&pulling(newtons));
+            assert!(found.iter().all(|z| (*z > 0.0) == (newtons > 0.0) && *z != 0.0), "{found:?}");
+            assert!((found[0] - newtons).abs() < 1e-6);
+        }
     }
 
     /// With pulleys at half of the anchors, friction, one slack cable, and a quaternion whose length is not one.

@@ -222,6 +222,10 @@ impl Instance {
             }
         }
         self.ready(calculated.as_slice())?;
+        if self.usage == Use::ModelExchange {
+            // An integrator may try states at which there is nothing to tell.
+            exchange::check_finite(references, &self.interface, &self.now.values)?;
+        }
         for (i, &reference) in references.iter().enumerate() {
             give(i, self.now.values.at(reference));
         }

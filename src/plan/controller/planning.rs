@@ -70,7 +70,7 @@ impl Controller {
 
     /// When the planner decides next, s: at the first step that begins there or later. `None` while it plans nothing.
     pub fn next_decision(&self) -> Option<f64> {
-        let next = self.started + self.ticks as f64 * self.planner.parameters.planner_period;
+        let next = self.planning_since() + self.ticks as f64 * self.planner.parameters.planner_period;
         (self.mode == Mode::Active).then_some(next)
     }
 
@@ -80,7 +80,7 @@ impl Controller {
             self.planner.advance(search, WORK);
         }
         let period = self.planner.parameters.planner_period;
-        let elapsed = (self.time - self.started) / period;
+        let elapsed = (self.time - self.planning_since()) / period;
         // A tick is not missed for the rounding of communication points.
         if elapsed < self.ticks as f64 - ROUNDING {
             return;
@@ -99,7 +99,6 @@ impl Controller {
         let stuck = self.is_steady()
             && next.is_none()
             && set_point != self.aim
-            && !self.is_settling()
             && !self.planner.waits(&self.situation(), &self.aim);
         self.unreachable = stuck || self.aim != *goal || !self.planner.is_reachable(&set_point, goal);
         let instead = if stuck { set_point } else { self.aim };
@@ -113,17 +112,14 @@ impl Controller {
         self.predict();
     }
 
-    /// Whether `MinimumTime` does not know yet how the robot moved when it started: its motions leave no room for that.
-    fn is_settling(&self) -> bool {
+    /// When the planner's clock started, s: that of `MinimumTime` when it is known how the robot moved at the start, for its motions leave no room for that.
+    fn planning_since(&self) -> f64 {
         let is_fast = self.planner.parameters.planner == PlannerKind::MinimumTime;
-        is_fast && self.time - self.started < SETTLING * (1.0 - ROUNDING)
+        if is_fast { self.started + SETTLING } else { self.started }
     }
 
     /// Begins the course to where the planner makes for, from where the robot will be when its first command acts.
     fn set_out(&mut self, pose: &Pose, rates: &Coordinates) -> Option<Pose> {
-        if self.is_settling() {
-            return None;
-        }
         let (set_point, aim) = (self.outputs.set_point, self.aim);
         if set_point == aim
             || self.refused.is_some_and(|refused| refused.is_still(&set_point, &aim, self.time))

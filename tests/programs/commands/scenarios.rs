@@ -96,6 +96,20 @@ fn tour_reaches_its_goals_at_all_heights_and_turns_round_on_the_way() {
 }
 
 #[test]
+fn fast_reaches_its_goals_within_a_second_each() {
+    let moments = moments(&bundled("fast"));
+    let reached = |from: f64, until: f64| {
+        moments.iter().any(|moment| moment.time > from && moment.time <= until && moment.controller.at_goal)
+    };
+    let between = [(0.11, 1.0), (1.01, 2.0), (2.01, 2.3), (2.31, 3.5), (3.51, 4.5)]
+        .map(|(from, until)| reached(from, until));
+    assert_eq!(between, [true, true, false, true, true]);
+    let commanded = moments.iter().flat_map(|moment| moment.controller.motor_tension);
+    let least = commanded.fold(f64::INFINITY, f64::min);
+    assert!(never_slack(&moments) && least > 0.55, "{least}");
+}
+
+#[test]
 fn gust_passes_and_what_lasts_leaves_two_centimetres() {
     let moments = moments(&bundled("gust"));
     let place = |time: f64| at(&moments, time).plant.encoder_pose.0;

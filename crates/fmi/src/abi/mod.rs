@@ -151,7 +151,7 @@ unsafe fn get<T>(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's promise; the values are written only, so they need not be initialised.
         let (references, values) = unsafe { (slice(references, REFERENCES)?, slice_mut(values, VALUES)?) };
-        let references = &behind(instance, references);
+        let references = &behind(instance, function, references)?;
         same_length(references.len(), values.len())?;
         instance.get(function, handles, references, |i, value| {
             values[i].write(convert(value));
@@ -176,7 +176,7 @@ unsafe fn set<T: Copy>(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's promise.
         let (references, values) = unsafe { (slice(references, REFERENCES)?, slice(values, VALUES)?) };
-        let references = &behind(instance, references);
+        let references = &behind(instance, function, references)?;
         same_length(references.len(), values.len())?;
         instance.set(function, handles, references, |i| convert(values[i]))
     };
@@ -203,23 +203,28 @@ unsafe fn no_variables(
 
 const REFERENCES: &str = "the array of value references";
 const VALUES: &str = "the array of values";
-/// A value reference that no variable has.
-const UNKNOWN: u32 = u32::MAX;
 
-/// The references of the scalars behind those from outside: other ones only where there are arrays. What importers are not shown is unknown.
-fn behind<'a>(instance: &Instance, references: &'a [u32]) -> Cow<'a, [u32]> {
+/// The references of the scalars behind those from outside: other ones only where there are arrays.
+///
+/// # Errors
+/// Names the first of which importers are shown no variable.
+fn behind<'a>(
+    instance: &Instance,
+    function: &'static Function,
+    references: &'a [u32],
+) -> Result<Cow<'a, [u32]>, FmiError> {
     let interface = instance.interface();
     if interface.variant() != Variant::Full {
-        return references.into();
+        return Ok(references.into());
     }
     let mut scalars = vec![];
     for &reference in references {
-        match interface.scalar(reference).filter(|scalar| interface.is_shown(scalar)) {
-            Some(array) => scalars.extend(interface.scalars_of(array.row).map(|scalar| scalar.reference)),
-            None => scalars.push(UNKNOWN),
-        }
+        let shown = interface.scalar(reference).filter(|scalar| interface.is_shown(scalar));
+        let (function, model) = (function.name, interface.model().identifier());
+        let array = shown.ok_or(FmiError::UnknownReference { function, model, reference })?;
+        scalars.extend(interface.scalars_of(array.row).map(|scalar| scalar.reference));
     }
-    scalars.into()
+    Ok(scalars.into())
 }
 
 fn same_length(scalars: usize, values: usize) -> Result<(), FmiError> {

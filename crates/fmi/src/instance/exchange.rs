@@ -3,7 +3,8 @@
 use super::Instance;
 use crate::error::FmiError;
 use crate::lifecycle::{Function, State};
-use crate::models::{Running, Scalar, exchange};
+use crate::models::{Interface, Running, Scalar, exchange};
+use crate::values::Values;
 use crate::variables::{Causality, Row};
 use cable_robot::sim::ContinuousPlant;
 
@@ -145,7 +146,8 @@ impl Instance {
             exchange::vary(plant, &mut changes, &known, seed)
                 .map_err(|scalar| refused(&scalar, "known variable: those are states and real inputs"))?;
         }
-        check_finite(&unknown, |reference| changes.at(reference))?;
+        let references: Vec<u32> = unknown.iter().map(|scalar| scalar.reference).collect();
+        check_finite(&references, &self.interface, &changes)?;
         unknown.iter().enumerate().for_each(|(i, scalar)| give(i, changes.at(scalar.reference)));
         Ok(())
     }
@@ -179,7 +181,8 @@ impl Instance {
         let scalars: Vec<Scalar> = self.interface.scalars_of_all(rows).collect();
         self.check_length(argument, length, scalars.len())?;
         self.ready(&scalars)?;
-        check_finite(&scalars, |reference| self.now.values.at(reference))?;
+        let references: Vec<u32> = scalars.iter().map(|scalar| scalar.reference).collect();
+        check_finite(&references, &self.interface, &self.now.values)?;
         scalars.iter().enumerate().for_each(|(i, scalar)| give(i, self.now.values.at(scalar.reference)));
         Ok(())
     }
@@ -192,10 +195,18 @@ impl Instance {
     }
 }
 
-fn check_finite(scalars: &[Scalar], value_of: impl Fn(u32) -> f64) -> Result<(), FmiError> {
-    let values = scalars.iter().map(|scalar| (scalar, value_of(scalar.reference)));
-    match values.into_iter().find(|(_, value)| !value.is_finite()) {
-        Some((scalar, value)) => Err(FmiError::NotFinite { name: scalar.name(), value }),
+/// Names the first of these variables that is no number.
+pub(super) fn check_finite(
+    references: &[u32],
+    interface: &Interface,
+    values: &Values,
+) -> Result<(), FmiError> {
+    let value_of = |reference: u32| values.at(reference);
+    match references.iter().find(|reference| !value_of(**reference).is_finite()) {
+        Some(reference) => {
+            let name = interface.scalar(*reference).map_or_else(String::new, |scalar| scalar.name());
+            Err(FmiError::NotFinite { name, value: value_of(*reference) })
+        }
         None => Ok(()),
     }
 }

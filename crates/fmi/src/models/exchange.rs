@@ -159,7 +159,7 @@ pub fn write(plant: &ContinuousPlant, values: &mut Values) {
     write_outputs(&plant.outputs(&inputs), values);
     write_state(&plant.state, values, |(state, _)| state);
     write_state(&plant.derivative(&inputs), values, |(_, rate)| rate);
-    values.write(&PULL, plant.pull(&inputs));
+    values.write(&PULL, plant.indicators(&inputs));
 }
 
 fn write_state(state: &State, values: &mut Values, of: fn((&'static Row, &'static Row)) -> &'static Row) {
