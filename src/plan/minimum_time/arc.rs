@@ -104,6 +104,12 @@ impl Timing {
         &self.arcs
     }
 
+    /// The arcs, each with how long it takes, s.
+    pub fn spans(&self) -> impl Iterator<Item = (&Arc, f64)> {
+        let ends = self.arcs.iter().skip(1).map(|next| next.begin).chain([self.duration]);
+        self.arcs.iter().zip(ends).map(|(arc, end)| (arc, end - arc.begin))
+    }
+
     /// Where the motion is `t` seconds after its start: at rest at its end from then on.
     pub fn at(&self, t: f64) -> Along {
         match self.arcs.iter().rfind(|arc| arc.begin <= t) {

@@ -21,16 +21,13 @@ impl Line {
     /// The greatest first and second derivative of a tension on an arc, N/s and N/s²: of the parabola through its ends and its middle.
     pub fn derivatives(&self, timing: &Timing) -> [f64; 2] {
         let (mut first, mut second) = (0.0f64, 0.0f64);
-        let arcs = timing.arcs();
-        for k in 0..arcs.len() {
-            let end = arcs.get(k + 1).map_or(timing.duration, |next| next.begin);
-            let length = end - arcs[k].begin;
+        for (arc, length) in timing.spans() {
             // The differences of a shorter one are rounding.
             if length < SHORT * timing.duration {
                 continue;
             }
             let [start, middle, end] = [0.0, 0.5, 1.0].map(|share| {
-                let [s, _, a] = arcs[k].at(share * length);
+                let [s, _, a] = arc.at(share * length);
                 self.tensions(s, a)
             });
             for i in 0..SIX {
@@ -42,19 +39,8 @@ impl Line {
         [first, second]
     }
 
-    /// What the tension of a cable changes by at most on the way, N.
-    pub fn change(&self, timing: &Timing) -> f64 {
-        let [least, greatest] = self.range(timing);
-        (0..SIX).map(|i| greatest[i] - least[i]).fold(0.0, f64::max)
-    }
-
-    /// The greatest tension on the way, N.
-    pub fn greatest(&self, timing: &Timing) -> f64 {
-        self.range(timing)[1].into_iter().fold(0.0, f64::max)
-    }
-
-    /// The least and the greatest of each tension at the ends of the arcs, N.
-    fn range(&self, timing: &Timing) -> [[f64; SIX]; 2] {
+    /// What the tension of a cable changes by at most on the way, and the greatest of all, N: at the ends of the arcs.
+    pub fn extent(&self, timing: &Timing) -> [f64; 2] {
         let (mut least, mut greatest) = ([f64::INFINITY; SIX], [f64::NEG_INFINITY; SIX]);
         let mut include = |tension: [f64; SIX]| {
             for i in 0..SIX {
@@ -62,14 +48,13 @@ impl Line {
                 greatest[i] = greatest[i].max(tension[i]);
             }
         };
-        let arcs = timing.arcs();
-        for k in 0..arcs.len() {
-            let end = arcs.get(k + 1).map_or(timing.duration, |next| next.begin);
-            for at in [0.0, end - arcs[k].begin] {
-                let [s, _, a] = arcs[k].at(at);
+        for (arc, length) in timing.spans() {
+            for at in [0.0, length] {
+                let [s, _, a] = arc.at(at);
                 include(self.tensions(s, a));
             }
         }
-        [least, greatest]
+        let change = (0..SIX).map(|i| greatest[i] - least[i]).fold(0.0, f64::max);
+        [change, greatest.into_iter().fold(0.0, f64::max)]
     }
 }

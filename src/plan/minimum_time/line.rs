@@ -63,11 +63,6 @@ impl Line {
         self.from + self.direction * s
     }
 
-    /// The unit vector along it.
-    pub fn direction(&self) -> Vector3<f64> {
-        self.direction
-    }
-
     /// The tensions at a place with an acceleration along the line, N: u = m l G/(3 a z).
     pub fn tensions(&self, s: f64, acceleration: f64) -> [f64; SIX] {
         let RobotParameters { a, b, m, g, .. } = self.robot;
@@ -116,7 +111,7 @@ impl Line {
         let mut timing = Timing::begun_at(s);
         let mut energy = 0.5 * v * v;
         for k in 0..fall.len() {
-            let end = fall.get(k + 1).map_or(self.length, |next| next.s);
+            let end = end_of(&fall, k, self.length);
             if end <= s || energy <= 0.0 {
                 continue;
             }
@@ -159,7 +154,7 @@ impl Line {
         }
         let is_positive = |bound: &Bound| {
             (0..bound.len()).all(|k| {
-                let end = bound.get(k + 1).map_or(self.length, |next| next.s);
+                let end = end_of(bound, k, self.length);
                 bound[k].value > 0.0 && bound[k].at(end) > 0.0
             })
         };
@@ -249,7 +244,7 @@ impl<'a> Profile<'a> {
     }
 
     fn end(&self, k: usize) -> f64 {
-        self.rays.get(k + 1).map_or(self.length, |next| next.s)
+        end_of(self.rays, k, self.length)
     }
 
     /// What W gains along ray `k` up to `s`.
@@ -307,6 +302,11 @@ impl<'a> Profile<'a> {
             }
         }
     }
+}
+
+/// Where ray `k` of a row on a line of this length ends.
+fn end_of(rays: &[Ray], k: usize, length: f64) -> f64 {
+    rays.get(k + 1).map_or(length, |next| next.s)
 }
 
 /// x with p x + q x²/2 = `energy`.

@@ -174,18 +174,9 @@ impl Path {
         spans: &mut usize,
         seen: &mut Seen,
     ) -> [bool; MOST_ARCS] {
-        let arcs = timing.arcs();
         let mut failed = [false; MOST_ARCS];
-        for (k, arc) in arcs.iter().enumerate() {
-            let end = arcs.get(k + 1).map_or(timing.duration, |next| next.begin);
-            let piece = Piece {
-                from: self.from,
-                way: self.way,
-                s: arc.s,
-                v: arc.v,
-                a: arc.a,
-                duration: end - arc.begin,
-            };
+        for (k, (arc, duration)) in timing.spans().enumerate() {
+            let piece = Piece { from: self.from, way: self.way, s: arc.s, v: arc.v, a: arc.a, duration };
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed

@@ -130,8 +130,8 @@ impl Planner {
         let line = Line::new(&shape.robot, limits, &start, &end);
         let timing = line.fastest(0.0, self.greatest_speed(1.0, 0.0))?;
         let [first, second] = line.derivatives(&timing);
-        let held = self.cost_of(hold, [first, second, line.change(&timing)]);
-        let greatest = line.greatest(&timing);
+        let [change, greatest] = line.extent(&timing);
+        let held = self.cost_of(hold, [first, second, change]);
         Some(Timed { way: course::Way::Line(line), timing, held, greatest })
     }
 
