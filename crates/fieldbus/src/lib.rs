@@ -14,6 +14,7 @@
 //! | [`controller`] | the library's controller in the place of the packed one |
 //! | [`bridge`] | the state machine between all of these |
 //! | [`simulated`] | a lab without hardware |
+//! | [`ls_bus`] | bridge and lab as nodes of a bus simulated with FMI |
 
 pub mod bridge;
 pub mod bus_load;
@@ -26,6 +27,7 @@ pub mod export;
 pub mod files;
 pub mod frame;
 pub mod load_cell;
+pub mod ls_bus;
 pub mod simulated;
 pub mod slcan;
 #[cfg(target_os = "linux")]

@@ -2,20 +2,20 @@
 
 use crate::frame::Frame;
 
-/// More frames than a cycle ever has.
-const CAPACITY: usize = 64;
-
 /// The frames of one cycle. The next cycle empties it: a transport that could not send some must not send them later.
 #[derive(Clone, Debug)]
 pub struct FrameQueue {
-    frames: [(usize, Frame); CAPACITY],
+    frames: [(usize, Frame); FrameQueue::CAPACITY],
     length: usize,
 }
 
 impl FrameQueue {
+    /// More frames than a cycle ever has.
+    pub const CAPACITY: usize = 64;
+
     /// Nothing.
     pub fn new() -> Self {
-        Self { frames: [(0, Frame::data(0, [])); CAPACITY], length: 0 }
+        Self { frames: [(0, Frame::data(0, [])); Self::CAPACITY], length: 0 }
     }
 
     /// Appends a frame for a bus; false if there is no room.
@@ -54,6 +54,7 @@ mod tests {
     fn what_does_not_fit_is_refused_and_the_rest_stands() {
         let mut queue = FrameQueue::new();
         let fitted = (0..100).filter(|k| queue.push(1, Frame::data(*k, []))).count();
+        const CAPACITY: usize = FrameQueue::CAPACITY;
         assert_eq!((fitted, queue.frames().len()), (CAPACITY, CAPACITY));
         assert_eq!(queue.frames()[CAPACITY - 1], (1, Frame::data(CAPACITY as u16 - 1, [])));
         queue.clear();
