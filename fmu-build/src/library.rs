@@ -9,15 +9,16 @@ use indicatif::ProgressBar;
 
 use crate::project_root;
 
-/// Builds the library of a package below `target` and returns its path. What the compiler says is shown only if it fails.
+/// Builds the library of a package, with these features, below `target` and returns its path. What the compiler says is shown only if it fails.
 ///
 /// It has a folder of its own: everything in it is compiled with [`anonymous`] paths, the programs are not.
-pub fn build(package: &str, target: &Path) -> Result<PathBuf> {
+pub fn build(package: &str, features: &[&str], target: &Path) -> Result<PathBuf> {
     let target = target.join("library");
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     // Only a library that is a cdylib and nothing else is optimised across crates; the symbol table is of no use in an FMU.
     command
         .args(["rustc", "--release", "--package", package, "--lib", "--crate-type", "cdylib"])
+        .args(["--features", &features.join(",")])
         .arg("--target-dir")
         .arg(&target)
         .env("CARGO_ENCODED_RUSTFLAGS", anonymous()?.join("\x1f"))

@@ -62,7 +62,7 @@ enum Task {
 enum FmuTask {
     /// Builds the library, packs the FMUs into target/fmu and checks them
     Build {
-        /// With libraries for x86_64-linux (glibc 2.17), aarch64-linux and x86_64-windows, into target/platforms/fmu; .ci/all installs what that takes
+        /// With libraries for x86_64-linux (glibc 2.17), aarch64-linux and x86_64-windows, into target/platforms/fmu, but for the nodes on CAN buses; .ci/all installs what that takes
         #[arg(long)]
         all: bool,
     },
@@ -73,7 +73,8 @@ enum FmuTask {
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().task {
         Task::Fmu(FmuTask::Build { all }) => {
-            for path in if all { pack::build_for_all()? } else { pack::build()? } {
+            let here = || pack::build_everything_below(&project_root().join("target"));
+            for path in if all { pack::build_for_all()? } else { here()? } {
                 println!("{}", path.display());
             }
             Ok(())

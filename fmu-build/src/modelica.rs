@@ -21,7 +21,7 @@ pub fn build() -> Result<PathBuf> {
         "windows" => "win64",
         other => bail!("no name is agreed on for the libraries of {other}"),
     };
-    let library = library::build(LIBRARY, &project_root().join("target"))?;
+    let library = library::build(LIBRARY, &[], &project_root().join("target"))?;
     let name = format!("{}CableRobot{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     place(&library, &to, folder, &name)?;
     Ok(to)

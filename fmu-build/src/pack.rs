@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use cable_robot_fmi::archive::{self, Files};
 use cable_robot_fmi::describe::{VERSIONS, Version, checked_in};
-use cable_robot_fmi::{MODELS, Model};
+use cable_robot_fmi::models::node::NODES;
+use cable_robot_fmi::{MODELS, Model, can};
 use cable_robot_import::{FmiVersion, platform};
 
 use crate::platforms::{self, PLATFORMS, Platform};
@@ -14,27 +15,49 @@ use crate::{check, library, project_root};
 
 /// The package whose library the FMUs carry.
 const LIBRARY: &str = "cable-robot-fmi";
+/// The fieldbus file whose nodes are packed.
+const FIELDBUS: &str = "rigs/can/akd.toml";
 
-/// Builds, packs and checks the FMUs; returns their paths.
+/// Builds, packs and checks controller and plants; returns their paths.
 pub fn build() -> Result<Vec<PathBuf>> {
     build_below(&project_root().join("target"))
 }
 
 /// The same with the library compiled below another folder, which also gets the FMUs.
-pub fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
-    let library = library::build(LIBRARY, target)?;
+fn build_below(target: &Path) -> Result<Vec<PathBuf>> {
+    let bytes = built(&[], target)?;
+    pack(target, |model, version| own(model, version, &bytes))
+}
+
+/// The nodes on CAN buses as well, for the fieldbus file that is the example; all below another folder.
+pub fn build_everything_below(target: &Path) -> Result<Vec<PathBuf>> {
+    let mut packed = build_below(target)?;
+    let bytes = built(&["can"], target)?;
+    let files = cable_robot_fieldbus::Files::read(&project_root().join(FIELDBUS))?;
+    for kind in NODES {
+        let (model, version) = (Model::Node(kind), Version::Fmi3);
+        let path = path_below(target, model, version);
+        write_checked(&path, model, &can::contents(kind, &files, &own(model, version, &bytes)))?;
+        packed.push(path);
+    }
+    Ok(packed)
+}
+
+/// The library with these features.
+fn built(features: &[&str], target: &Path) -> Result<Vec<u8>> {
+    let library = library::build(LIBRARY, features, target)?;
     check::symbols(&library)?;
-    let folder = |version| {
-        platform(match version {
-            Version::Fmi2 => FmiVersion::V2,
-            Version::Fmi3 => FmiVersion::V3,
-        })
-    };
-    let bytes = read(&library)?;
-    pack(target, |model, version| {
-        let name = format!("{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
-        Files::from([(format!("binaries/{}/{name}", folder(version)), bytes.clone())])
-    })
+    read(&library)
+}
+
+/// A library where an FMU for this machine has it.
+fn own(model: Model, version: Version, library: &[u8]) -> Files {
+    let folder = platform(match version {
+        Version::Fmi2 => FmiVersion::V2,
+        Version::Fmi3 => FmiVersion::V3,
+    });
+    let name = format!("{}{}", model.identifier(), std::env::consts::DLL_SUFFIX);
+    Files::from([(format!("binaries/{folder}/{name}"), library.to_vec())])
 }
 
 /// The same with libraries for all platforms, into target/platforms/fmu.
@@ -66,14 +89,17 @@ fn pack(target: &Path, libraries: impl Fn(Model, Version) -> Files) -> Result<Ve
     for version in VERSIONS {
         for model in MODELS {
             let path = path_below(target, model, version);
-            let files = archive::contents(&model.interface(), version, &libraries(model, version), None);
-            archive::write(&path, &files).with_context(|| format!("cannot pack {}", path.display()))?;
-            check::packed(&path, model)
-                .with_context(|| format!("{} is not as it should be", path.display()))?;
+            let files = archive::contents(&model.interface(), version, &libraries(model, version), &[]);
+            write_checked(&path, model, &files)?;
             packed.push(path);
         }
     }
     Ok(packed)
+}
+
+fn write_checked(path: &Path, model: Model, files: &Files) -> Result<()> {
+    archive::write(path, files).with_context(|| format!("cannot pack {}", path.display()))?;
+    check::packed(path, model).with_context(|| format!("{} is not as it should be", path.display()))
 }
 
 /// Writes what a person may want to read to modelDescription/.

@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
-use cable_robot_fmi::archive;
+use cable_robot_fieldbus::Files;
 use cable_robot_fmi::describe::{System, VERSIONS, Version};
 use cable_robot_fmi::models::Variant;
+use cable_robot_fmi::models::node::NODES;
+use cable_robot_fmi::resources::RIG_FILE;
 use cable_robot_fmi::{CO_SIMULATION, Interface, MODELS, Model};
+use cable_robot_fmi::{archive, can};
 use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
 use serde_json::json;
@@ -21,8 +24,11 @@ It needs no compiler: it takes the library from the FMUs that `cargo fmu build` 
 #[derive(Args)]
 pub struct Fmu {
     /// Rig file (TOML, see docs/rigs.md)
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    rig: PathBuf,
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, required_unless_present = "can")]
+    rig: Option<PathBuf>,
+    /// Fieldbus file (TOML, see docs/rig.md): packs instead of controller and plant the bridge and the rig as nodes on its CAN buses, for FMI-LS-BUS (docs/ls-bus.md)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["rig", "ssp", "reals", "full"])]
+    can: Option<PathBuf>,
     /// Folder to write to: FOLDER/fmi2/CableRobotController.fmu and so on
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     output: PathBuf,
@@ -53,10 +59,16 @@ impl Fmu {
     }
 
     pub fn run(&self) -> Result<Outcome> {
-        let mut paths =
-            pack(&self.rig, self.variant(), &self.output, &library_folder(self.library.as_deref())?)?;
-        if self.ssp {
-            paths.extend(pack_systems(&self.rig, self.variant(), &self.output)?);
+        let library = library_folder(self.library.as_deref())?;
+        let mut paths = vec![];
+        if let Some(fieldbus) = &self.can {
+            paths = pack_nodes(fieldbus, &self.output, &library)?;
+        }
+        if let Some(rig) = &self.rig {
+            paths = pack(rig, self.variant(), &self.output, &library)?;
+            if self.ssp {
+                paths.extend(pack_systems(rig, self.variant(), &self.output)?);
+            }
         }
         if self.json {
             print_json(&json!({ "fmus": paths }))?;
@@ -119,6 +131,27 @@ fn pack_systems(rig: &Path, variant: Variant, folder: &Path) -> Result<Vec<PathB
     SYSTEMS.into_iter().map(pack).collect()
 }
 
+/// Packs the nodes on the buses of a fieldbus file; their paths.
+fn pack_nodes(fieldbus: &Path, output: &Path, library: &Path) -> Result<Vec<PathBuf>> {
+    let files = Files::read(fieldbus)?;
+    can::controller_parameters(&files.config).with_context(|| fieldbus.display().to_string())?;
+    let pack = |kind| {
+        let model = Model::Node(kind);
+        let from = path_of(library, model, Version::Fmi3);
+        let (libraries, _) = archive::libraries(&from).with_context(|| {
+            format!(
+                "cannot read {}: run `cargo fmu build`, or name its folder with --library",
+                from.display()
+            )
+        })?;
+        let path = path_of(output, model, Version::Fmi3);
+        archive::write(&path, &can::contents(kind, &files, &libraries))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(path)
+    };
+    NODES.into_iter().map(pack).collect()
+}
+
 fn interface(model: Model, file: &RigFile, variant: Variant) -> Interface {
     Interface::of_rig(model, file).shown_as(variant)
 }
@@ -149,7 +182,7 @@ pub fn pack(rig: &Path, variant: Variant, output: &Path, library: &Path) -> Resu
             };
             let interface = interface(model, &file, variant);
             let path = path_of(output, model, version);
-            archive::write(&path, &archive::contents(&interface, version, &libraries, Some(&text)))
+            archive::write(&path, &archive::contents(&interface, version, &libraries, &[(RIG_FILE, &text)]))
                 .with_context(|| format!("cannot write {}", path.display()))?;
             paths.push(path);
         }

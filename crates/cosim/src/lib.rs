@@ -253,6 +253,7 @@ fn interface(model: Model, fmu: &Fmu, rig: &RigFile) -> Interface {
 fn shared(instance: &Instance, interface: &Interface, role: Role) -> Result<Vec<(u32, Variable)>> {
     let theirs = match role {
         Role::Parameter => Causality::Parameter,
+        Role::Structural => Causality::StructuralParameter,
         Role::Input => Causality::Input,
         Role::Output => Causality::Output,
         Role::Local => Causality::Local,

@@ -10,17 +10,21 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::describe::{Version, shipped_files};
 use super::models::Interface;
-use super::resources::RIG_FILE;
 
 /// Files by their paths in the archive.
 pub type Files = BTreeMap<String, Vec<u8>>;
 
-/// Everything in an FMU: the libraries by their paths under `binaries/`, and of an FMU for another rig than the paper's the text of the
-/// rig's file.
-pub fn contents(interface: &Interface, version: Version, libraries: &Files, rig: Option<&str>) -> Files {
+/// Everything in an FMU: the libraries by their paths under `binaries/`, and the names and texts of its resources.
+pub fn contents(
+    interface: &Interface,
+    version: Version,
+    libraries: &Files,
+    resources: &[(&str, &str)],
+) -> Files {
     let mut files: Files = shipped_files(interface, version).into_iter().collect();
     files.extend(libraries.clone());
-    files.extend(rig.map(|text| (format!("resources/{RIG_FILE}"), text.as_bytes().to_vec())));
+    let resource = |&(name, text): &(&str, &str)| (format!("resources/{name}"), text.as_bytes().to_vec());
+    files.extend(resources.iter().map(resource));
     files
 }
 

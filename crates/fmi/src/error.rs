@@ -52,6 +52,8 @@ pub enum FmiError {
     Parameter(#[from] ParameterError),
     #[error("{name} cannot be read yet: {why}")]
     NotReady { name: String, why: String },
+    #[error("{name} cannot be used: {why}")]
+    Clock { name: String, why: &'static str },
     #[error("{argument} = {value} is not allowed: {allowed}")]
     Argument { argument: &'static str, value: f64, allowed: String },
     #[error(
@@ -91,6 +93,7 @@ impl FmiError {
             Kind::Float64 => "a finite number".to_owned(),
             Kind::Int32 => "a whole number".to_owned(),
             Kind::Boolean | Kind::Clock => "0 (false) or 1 (true)".to_owned(),
+            Kind::String => "a text".to_owned(),
         };
         Self::BadValue { name: scalar.name(), value, allowed }
     }

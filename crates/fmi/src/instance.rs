@@ -1,5 +1,6 @@
 //! One instance of a model: its life, its values, its time. Knows nothing of C.
 
+mod buses;
 mod events;
 mod exchange;
 
@@ -9,6 +10,7 @@ use super::error::{FmiError, Status};
 use super::lifecycle::{Function, State};
 use super::log::{Category, Log};
 use super::models::{Interface, Model, Running, Scalar, Use};
+use super::node::OnBuses;
 use super::state::Snapshot;
 use super::values::Values;
 use super::variables::{Causality, Kind, Variability};
@@ -25,6 +27,10 @@ pub struct Instance {
     returns_early: bool,
     /// Whether it was said that a fixed parameter is written again and again.
     has_warned_of_repetition: bool,
+    /// When the experiment starts, s.
+    start: f64,
+    /// Of an instance on buses.
+    node: Option<OnBuses>,
 }
 
 impl Instance {
@@ -32,7 +38,8 @@ impl Instance {
     pub fn new(interface: Interface, usage: Use, may_return_early: bool, log: Log) -> Self {
         let now = Snapshot::new(&interface);
         let returns_early = may_return_early && usage == Use::CoSimulationWithEvents;
-        Self { interface, log, now, usage, returns_early, has_warned_of_repetition: false }
+        let (has_warned_of_repetition, start, node) = (false, 0.0, None);
+        Self { interface, log, now, usage, returns_early, has_warned_of_repetition, start, node }
     }
 
     /// What it is used for.
@@ -81,6 +88,7 @@ impl Instance {
             ));
         }
         self.now.set_time(start);
+        self.start = start;
         self.now.stop = stop;
         Ok(())
     }
@@ -95,10 +103,14 @@ impl Instance {
     /// # Errors
     /// [`FmiError::Parameter`] naming the parameter that makes no sense.
     pub fn exit_initialization(&mut self) -> Result<(), FmiError> {
+        if self.node.is_some() {
+            self.start_node();
+            return Ok(());
+        }
         self.now.start(&self.interface)?;
         self.now.state = match self.usage {
             Use::CoSimulation => State::StepMode,
-            Use::CoSimulationWithEvents | Use::ModelExchange => State::EventMode,
+            Use::CoSimulationWithEvents | Use::OnBuses | Use::ModelExchange => State::EventMode,
         };
         self.set_clock();
         if let Some(warning) = self.interface.warning(&self.now.values) {
@@ -117,6 +129,9 @@ impl Instance {
     /// [`FmiError::Argument`] for a step that makes no sense, [`FmiError::TooLong`] for one that may be made in parts, [`FmiError::Plant`] for one that cannot be computed.
     pub fn step(&mut self, point: f64, h: f64) -> Result<(), FmiError> {
         self.check_step(point, h)?;
+        if self.node.is_some() {
+            return self.step_node(point, h);
+        }
         let Some(mut running) = self.now.running.clone() else {
             return Err(FmiError::State("it is in Step Mode but was never initialised".to_owned()));
         };
@@ -178,6 +193,10 @@ impl Instance {
     /// Back to how it was when instantiated; the logging stays as it is set.
     pub fn reset(&mut self) {
         self.now = Snapshot::new(&self.interface);
+        if let Some(buses) = &mut self.node {
+            buses.reset();
+        }
+        self.write_node();
     }
 
     /// All that a later [`Instance::restore`] needs.
@@ -307,6 +326,7 @@ impl Instance {
                 return Ok(());
             }
             (Some(_), _) => return Ok(()),
+            (None, _) if self.node.is_some() => return Ok(()),
             (None, State::Initialization) => match self.now.start(&self.interface) {
                 Ok(()) => return Ok(()),
                 Err(error) => error.to_string(),
@@ -319,6 +339,9 @@ impl Instance {
     fn check_settable(&self, scalar: &Scalar) -> Result<(), FmiError> {
         let state = self.now.state;
         let allowed = match scalar.row.causality {
+            Causality::Structural if state == State::Configuration => return Ok(()),
+            Causality::Structural => "it is a structural parameter, to be set in Configuration Mode",
+            _ if state == State::Configuration => "only structural parameters can be",
             Causality::Input => return Ok(()),
             Causality::Parameter if !state.is_initialised() => return Ok(()),
             Causality::Parameter if scalar.row.variability == Variability::Tunable => return Ok(()),

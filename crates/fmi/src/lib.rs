@@ -8,6 +8,7 @@
 //! - [`values`]: one number a value reference;
 //! - [`lifecycle`]: which call is allowed when;
 //! - [`instance`]: what the calls do; [`state`]: what an instance is and how it is saved; [`log`]: what it says;
+//! - [`node`]: what an instance on CAN buses is besides; with the feature `can` there are such;
 //! - [`abi`]: the C functions, which translate pointers into the above and nothing else;
 //! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
 
@@ -15,12 +16,15 @@
 
 pub mod abi;
 pub mod archive;
+#[cfg(feature = "can")]
+pub mod can;
 pub mod describe;
 pub mod error;
 pub mod instance;
 pub mod lifecycle;
 pub mod log;
 pub mod models;
+pub mod node;
 pub mod resources;
 pub mod state;
 pub mod values;

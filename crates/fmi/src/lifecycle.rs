@@ -25,12 +25,14 @@ pub enum State {
     Terminated,
     /// A call has failed. FMI 3 has no name of its own for it (it is in *Terminated*).
     Error,
+    /// Structural parameters may be set.
+    Configuration,
 }
 
 impl State {
     /// Whether Initialization Mode is over.
     pub fn is_initialised(self) -> bool {
-        !matches!(self, State::Instantiated | State::Initialization)
+        !matches!(self, State::Instantiated | State::Configuration | State::Initialization)
     }
 }
 
@@ -44,6 +46,7 @@ impl fmt::Display for State {
             State::ContinuousTimeMode => "Continuous-Time Mode",
             State::Terminated => "Terminated",
             State::Error => "Error",
+            State::Configuration => "Configuration Mode",
         })
     }
 }
@@ -66,29 +69,48 @@ pub enum Allowed {
     In(&'static [State]),
     /// The same, if the instance is for one of these uses.
     For(&'static [Use], &'static [State]),
+    /// The same, if the instance is a node on buses; others have no use for it for this reason.
+    OfNodes(&'static [State], &'static str),
     /// Never, for this reason.
     Never(&'static str),
 }
 
-use Allowed::{Always, For, In, Never};
-use State::{ContinuousTimeMode, Error, EventMode, Initialization, Instantiated, StepMode, Terminated};
-use Use::{CoSimulation, CoSimulationWithEvents, ModelExchange};
+use Allowed::{Always, For, In, Never, OfNodes};
+use State::{
+    Configuration, ContinuousTimeMode, Error, EventMode, Initialization, Instantiated, StepMode, Terminated,
+};
+use Use::{CoSimulation, CoSimulationWithEvents, ModelExchange, OnBuses};
 
-const ANY: Allowed =
-    In(&[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
+const ALL: &[State] =
+    &[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error];
+const ANY: Allowed = In(ALL);
+const ANY_3: Allowed = In(&[
+    Instantiated,
+    Initialization,
+    StepMode,
+    EventMode,
+    ContinuousTimeMode,
+    Terminated,
+    Error,
+    Configuration,
+]);
 const SET: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode]);
+const SET_BOOLEAN: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode, Configuration]);
+/// Saved states: a node's is spread over the buses.
+const SAVE: Allowed = For(&[CoSimulation, CoSimulationWithEvents, ModelExchange], ALL);
 const SET_REAL: Allowed = In(&[Instantiated, Initialization, StepMode, EventMode, ContinuousTimeMode]);
 const GET_2: Allowed = In(&[Initialization, StepMode, EventMode, ContinuousTimeMode, Terminated, Error]);
-const GET_3: Allowed = ANY;
+const GET_3: Allowed = ANY_3;
 const RUNNING: Allowed = In(&[StepMode, EventMode, ContinuousTimeMode]);
-const STEPS: &[Use] = &[CoSimulation, CoSimulationWithEvents];
-const EVENTS: &[Use] = &[ModelExchange, CoSimulationWithEvents];
+const STEPS: &[Use] = &[CoSimulation, CoSimulationWithEvents, OnBuses];
+const EVENTS: &[Use] = &[ModelExchange, CoSimulationWithEvents, OnBuses];
 const STEPPING: Allowed = For(STEPS, &[StepMode]);
 const STATUS_2: Allowed = For(STEPS, &[StepMode, Terminated]);
 const IN_EVENT_MODE: Allowed = For(EVENTS, &[EventMode]);
 const TO_EVENTS: Allowed = For(EVENTS, &[ContinuousTimeMode, StepMode]);
-const TO_STEPS: Allowed = For(&[CoSimulationWithEvents], &[EventMode]);
-const CLOCK: Allowed = For(&[CoSimulationWithEvents], &[Initialization, EventMode]);
+const TO_STEPS: Allowed = For(&[CoSimulationWithEvents, OnBuses], &[EventMode]);
+const CLOCK: Allowed = For(&[CoSimulationWithEvents, OnBuses], &[Initialization, EventMode]);
+const SET_CLOCK: Allowed = OfNodes(&[EventMode], NO_CLOCK_TO_SET);
 const TO_CONTINUOUS_TIME: Allowed = For(&[ModelExchange], &[EventMode]);
 const IN_CONTINUOUS_TIME: Allowed = For(&[ModelExchange], &[ContinuousTimeMode]);
 const IN_EITHER: Allowed = For(&[ModelExchange], &[EventMode, ContinuousTimeMode]);
@@ -103,8 +125,9 @@ const NO_DERIVATIVES: Allowed =
 const NO_DEPENDENCIES: Allowed = Never("the dependencies are in modelDescription.xml and never change");
 const NO_EVENTS: &str =
     "it is instantiated without events, or the FMU has none, as its modelDescription.xml says";
-const NO_CLOCKS: Allowed = Never("this FMU has no clock that can be set, nor one of intervals");
-const NO_STRUCTURE: Allowed = Never("this FMU has no structural parameters");
+const NO_CLOCK_TO_SET: &str = "this FMU has no clock that can be set, nor one of intervals";
+const NO_CLOCKS: Allowed = Never(NO_CLOCK_TO_SET);
+const NO_STRUCTURE: &str = "this FMU has no structural parameters";
 const NEVER_PENDING: Allowed = Never("a step is never pending: doStep returns when it is done");
 
 const fn row(name: &'static str, allowed: Allowed) -> Function {
@@ -162,12 +185,12 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3InstantiateCoSimulation", Always),
     row("fmi3InstantiateModelExchange", Always),
     row("fmi3InstantiateScheduledExecution", Always),
-    row("fmi3FreeInstance", ANY),
-    row("fmi3SetDebugLogging", ANY),
+    row("fmi3FreeInstance", ANY_3),
+    row("fmi3SetDebugLogging", ANY_3),
     row("fmi3EnterInitializationMode", In(&[Instantiated])),
     row("fmi3ExitInitializationMode", In(&[Initialization])),
     row("fmi3Terminate", RUNNING),
-    row("fmi3Reset", ANY),
+    row("fmi3Reset", ANY_3),
     row("fmi3GetFloat32", GET_3),
     row("fmi3GetFloat64", GET_3),
     row("fmi3GetInt8", GET_3),
@@ -191,29 +214,29 @@ pub const FUNCTIONS: &[Function] = &[
     row("fmi3SetUInt32", SET),
     row("fmi3SetInt64", SET),
     row("fmi3SetUInt64", SET),
-    row("fmi3SetBoolean", SET),
+    row("fmi3SetBoolean", SET_BOOLEAN),
     row("fmi3SetString", SET),
     row("fmi3SetBinary", SET),
-    row("fmi3GetFMUState", ANY),
-    row("fmi3SetFMUState", ANY),
-    row("fmi3FreeFMUState", ANY),
-    row("fmi3SerializedFMUStateSize", ANY),
-    row("fmi3SerializeFMUState", ANY),
-    row("fmi3DeserializeFMUState", ANY),
+    row("fmi3GetFMUState", SAVE),
+    row("fmi3SetFMUState", SAVE),
+    row("fmi3FreeFMUState", SAVE),
+    row("fmi3SerializedFMUStateSize", SAVE),
+    row("fmi3SerializeFMUState", SAVE),
+    row("fmi3DeserializeFMUState", SAVE),
     row("fmi3DoStep", STEPPING),
     row("fmi3EnterStepMode", TO_STEPS),
     row("fmi3EnterEventMode", TO_EVENTS),
     row("fmi3EvaluateDiscreteStates", IN_EVENT_MODE),
     row("fmi3UpdateDiscreteStates", IN_EVENT_MODE),
-    row("fmi3EnterConfigurationMode", NO_STRUCTURE),
-    row("fmi3ExitConfigurationMode", NO_STRUCTURE),
+    row("fmi3EnterConfigurationMode", OfNodes(&[Instantiated], NO_STRUCTURE)),
+    row("fmi3ExitConfigurationMode", OfNodes(&[Configuration], NO_STRUCTURE)),
     row("fmi3GetNumberOfVariableDependencies", NO_DEPENDENCIES),
     row("fmi3GetVariableDependencies", NO_DEPENDENCIES),
     row("fmi3GetDirectionalDerivative", OF_AN_INTEGRATOR),
     row("fmi3GetAdjointDerivative", NO_DERIVATIVES),
     row("fmi3GetOutputDerivatives", NO_DERIVATIVES),
     row("fmi3GetClock", CLOCK),
-    row("fmi3SetClock", NO_CLOCKS),
+    row("fmi3SetClock", SET_CLOCK),
     row("fmi3GetIntervalDecimal", NO_CLOCKS),
     row("fmi3GetIntervalFraction", NO_CLOCKS),
     row("fmi3GetShiftDecimal", NO_CLOCKS),
@@ -269,8 +292,9 @@ impl Function {
                 let why = if without_events { NO_EVENTS } else { usage.refusal() };
                 Err(FmiError::Unsupported { function: self.name, why })
             }
-            For(_, states) if states.contains(&state) => Ok(()),
-            In(states) | For(_, states) => {
+            OfNodes(_, why) if usage != OnBuses => Err(FmiError::Unsupported { function: self.name, why }),
+            For(_, states) | OfNodes(states, _) if states.contains(&state) => Ok(()),
+            In(states) | For(_, states) | OfNodes(states, _) => {
                 let allowed = states.iter().map(State::to_string).collect::<Vec<_>>().join(", ");
                 Err(FmiError::OutOfOrder { function: self.name, state, allowed })
             }

@@ -4,10 +4,29 @@ use std::path::{Path, PathBuf};
 
 use super::error::FmiError;
 use super::models::{Interface, MODELS, Model, VARIANTS};
+use super::node::Node;
 use cable_robot::robot::RigFile;
 
 /// Name of the rig file in the resources.
 pub const RIG_FILE: &str = "rig.toml";
+
+/// Name of the fieldbus file in the resources, of a node on buses.
+pub const FIELDBUS_FILE: &str = "fieldbus.toml";
+
+/// What is beside the values of a node on buses.
+type Beside = Option<Box<dyn Node>>;
+
+/// The model that has this token.
+///
+/// # Errors
+/// As [`interface`].
+pub fn model(token: &str, resources: Option<&Path>) -> Result<(Interface, Beside), FmiError> {
+    #[cfg(feature = "can")]
+    if let Some(folder) = resources.filter(|folder| folder.join(FIELDBUS_FILE).exists()) {
+        return crate::can::node(token, folder).map(|(interface, node)| (interface, Some(node)));
+    }
+    Ok((interface(token, resources)?, None))
+}
 
 /// The interface that has this token: of the paper's rig, or of the rig in the resources.
 ///

@@ -106,7 +106,7 @@ impl Values {
                 item.map_or_else(|| value.to_string(), |(_, name, _)| name.to_owned())
             }
             Kind::Boolean | Kind::Clock => (value != 0.0).to_string(),
-            Kind::Float64 | Kind::Int32 => value.to_string(),
+            Kind::Float64 | Kind::Int32 | Kind::String => value.to_string(),
         }
     }
 }

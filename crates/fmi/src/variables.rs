@@ -72,6 +72,8 @@ pub enum Kind {
     Boolean,
     /// FMI 3's Clock, triggered; stored as 1 where it ticks.
     Clock,
+    /// Text, of nodes on buses; it is not among the values.
+    String,
     /// Numbers with names; FMI 3 reads them as Int64, FMI 2 as Integer.
     Enumeration(&'static Enumeration),
 }
@@ -96,6 +98,8 @@ pub enum Causality {
     Independent,
     /// The user, before the run.
     Parameter,
+    /// The user, in Configuration Mode.
+    Structural,
     /// The rest of the simulation.
     Input,
     /// This model.
@@ -333,7 +337,7 @@ impl Row {
     /// `exact` where a start value is the value, `calculated` for outputs and what is local; inputs and time have none in the XML.
     pub fn initial(&self) -> Option<&'static str> {
         match self.causality {
-            Causality::Parameter => Some("exact"),
+            Causality::Parameter | Causality::Structural => Some("exact"),
             Causality::Output | Causality::Local => Some("calculated"),
             Causality::Input | Causality::Independent => None,
         }
@@ -365,6 +369,7 @@ impl Kind {
             Kind::Int32 => "Int32",
             Kind::Boolean => "Boolean",
             Kind::Clock => "Clock",
+            Kind::String => "String",
             Kind::Enumeration(_) => "Enumeration",
         }
     }
@@ -376,6 +381,7 @@ impl Causality {
         match self {
             Causality::Independent => "independent",
             Causality::Parameter => "parameter",
+            Causality::Structural => "structuralParameter",
             Causality::Input => "input",
             Causality::Output => "output",
             Causality::Local => "local",

@@ -20,6 +20,7 @@ pub fn column(model: Model, variable: &str) -> String {
     match model {
         Model::Plant | Model::PlantExchange => format!("plant.{variable}"),
         Model::Controller => format!("controller.{variable}"),
+        Model::Node(_) => variable.to_owned(),
     }
 }
 
@@ -88,8 +89,9 @@ impl Recording {
         controller::write(&moment.controller, of_controller);
         plant::write_inputs(&moment.plant_inputs, of_plant);
         plant::write(&moment.plant, of_plant);
-        let value =
-            |(model, _, reference): &(Model, String, u32)| self.values[*model as usize].at(*reference);
+        let value = |(model, _, reference): &(Model, String, u32)| {
+            self.values[usize::from(*model != Model::Controller)].at(*reference)
+        };
         self.variables.iter().map(value).collect()
     }
 

@@ -209,7 +209,7 @@ impl Simulate {
                     models.controller = Box::new(fmu);
                     std::mem::replace(&mut models.controller_info, info)
                 }
-                Model::Plant | Model::PlantExchange => {
+                Model::Plant | Model::PlantExchange | Model::Node(_) => {
                     models.plant = Box::new(fmu);
                     std::mem::replace(&mut models.plant_info, info)
                 }
@@ -309,7 +309,7 @@ fn fmu_model(path: &Path, scenario: &Scenario) -> Result<FmuModel> {
     fmu.set_parameters(|interface, values| {
         match model {
             Model::Controller => controller::write_parameters(interface, &scenario.controller, values),
-            Model::Plant | Model::PlantExchange => {
+            Model::Plant | Model::PlantExchange | Model::Node(_) => {
                 plant::write_parameters(interface, &scenario.plant, values)
             }
         }

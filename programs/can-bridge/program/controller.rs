@@ -1,15 +1,15 @@
 //! The packed controller: an FMU whose variables are looked up once, and which is then stepped without allocating.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
-use cable_robot::robot::{PerCable, Pose, RigFile};
+use cable_robot::robot::{PerCable, Pose};
 use cable_robot::sim::{ControllerModel, ModelError};
 use cable_robot_cosim::FmuModel;
 use cable_robot_fieldbus::Config;
-use cable_robot_fieldbus::config::Parameter;
+use cable_robot_fmi::can::{self, GivenError, rig_file};
 use cable_robot_fmi::models::controller;
 use cable_robot_fmi::values::Values;
-use cable_robot_fmi::variables::{Causality as Role, Kind};
+use cable_robot_fmi::variables::Causality as Role;
 use cable_robot_fmi::{Interface, Model};
 use cable_robot_import::{LogMessage, Status};
 use cable_robot_programs::errors::similar;
@@ -126,17 +126,14 @@ impl FmuController {
 
 /// What the fieldbus file says of the controller.
 fn write_given(config: &Config, interface: &Interface, values: &mut Values) -> Result<()> {
-    for (name, parameter) in &config.controller.parameters {
-        let (reference, number) = parameter_value(interface, name, parameter)?;
-        values.put(reference, number);
-    }
-    Ok(())
-}
-
-/// The rig with its stand for a home.
-fn rig_file(config: &Config) -> RigFile {
-    let (lambda, eta) = (config.controller.lambda, config.controller.eta);
-    RigFile { name: config.name.clone(), rig: config.rig, home: config.home, lambda, eta }
+    can::write_given(config, interface, values).map_err(|error| {
+        let meant = match &error {
+            GivenError::Name { name, known } => similar(name, known.iter().copied()),
+            _ => None,
+        };
+        let question = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        anyhow!("{error}{question}")
+    })
 }
 
 /// At home, not enabled.
@@ -156,31 +153,6 @@ fn say(message: &LogMessage) {
     if message.status > Status::Ok {
         super::terminal::say(format_args!("can-bridge: {}: {}", message.instance, message.text));
     }
-}
-
-/// Value reference and number of a parameter of the fieldbus file.
-fn parameter_value(interface: &Interface, name: &str, parameter: &Parameter) -> Result<(u32, f64)> {
-    let mut rows = interface.rows_with(Role::Parameter);
-    let Some(row) = rows.find(|row| row.name == name) else {
-        let known: Vec<_> = interface.rows_with(Role::Parameter).map(|row| row.name).collect();
-        let meant = similar(name, known.iter().copied());
-        let question = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
-        bail!("controller.parameters.{name}: the controller has {}{question}", known.join(", "));
-    };
-    let number = match (row.kind, parameter) {
-        (Kind::Boolean, Parameter::Boolean(flag)) => f64::from(u8::from(*flag)),
-        (Kind::Float64 | Kind::Int32, Parameter::Number(number)) => *number,
-        (Kind::Enumeration(kind), Parameter::Item(item)) => {
-            let found = kind.numbered().find(|(_, known, _)| known == item);
-            let known: Vec<_> = kind.numbered().map(|(_, known, _)| known).collect();
-            let (number, ..) = found.with_context(|| {
-                format!("controller.parameters.{name} = {item}: it is one of {}", known.join(", "))
-            })?;
-            f64::from(number)
-        }
-        _ => bail!("controller.parameters.{name} = {parameter}: it is a {}", row.kind.name()),
-    };
-    Ok((row.first, number))
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ fn states_that_are_none_are_refused() {
     for (fmi, model) in all_pairs() {
         let slave = Slave::running(fmi, model);
         let good = slave.save();
-        let theirs = Slave::running(fmi, CO_SIMULATION[1 - model as usize]).save();
+        let theirs = Slave::running(fmi, CO_SIMULATION[usize::from(model == Model::Controller)]).save();
         for round in 0..500 {
             let mut bytes = good.clone();
             match round % 4 {

@@ -3,22 +3,10 @@
 
 use super::refuse;
 use crate::bindings::fmi3::{
-    fmi3Clock, fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3Int32, fmi3IntervalQualifier, fmi3Status,
-    fmi3UInt64, fmi3ValueReference,
+    fmi3DependencyKind, fmi3Float64, fmi3Instance, fmi3Int32, fmi3IntervalQualifier, fmi3Status, fmi3UInt64,
+    fmi3ValueReference,
 };
 use crate::lifecycle::function;
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterConfigurationMode(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3EnterConfigurationMode") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3ExitConfigurationMode(instance: fmi3Instance) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3ExitConfigurationMode") }) }
-}
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
@@ -71,17 +59,6 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { refuse(instance, const { function("fmi3GetOutputDerivatives") }) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetClock(
-    instance: fmi3Instance,
-    _: *const fmi3ValueReference,
-    _: usize,
-    _: *const fmi3Clock,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { refuse(instance, const { function("fmi3SetClock") }) }
 }
 
 #[unsafe(no_mangle)]

@@ -1,11 +1,10 @@
-//! FMI 3.0: getting and setting values. Variables have the types Float64, Int32, Boolean, Clock and Enumeration
-//! (which travels as Int64); the other types' functions exist and know no variable.
+//! FMI 3.0: getting and setting values. Numbers have the types Float64, Int32, Boolean and Enumeration (which travels as Int64); clocks, texts
+//! and binary variables are in `fmi3_buses`; the other types' functions exist and know no variable.
 
 use super::{get, no_variables, set};
 use crate::bindings::fmi3::{
-    fmi3Binary, fmi3Boolean, fmi3Clock, fmi3Float32, fmi3Float64, fmi3Instance, fmi3Int8, fmi3Int16,
-    fmi3Int32, fmi3Int64, fmi3Status, fmi3String, fmi3UInt8, fmi3UInt16, fmi3UInt32, fmi3UInt64,
-    fmi3ValueReference,
+    fmi3Boolean, fmi3Float32, fmi3Float64, fmi3Instance, fmi3Int8, fmi3Int16, fmi3Int32, fmi3Int64,
+    fmi3Status, fmi3String, fmi3UInt8, fmi3UInt16, fmi3UInt32, fmi3UInt64, fmi3ValueReference,
 };
 use crate::lifecycle::function;
 use crate::variables::Kind;
@@ -25,19 +24,6 @@ fn is_enumeration(kind: Kind) -> bool {
 
 fn is_boolean(kind: Kind) -> bool {
     matches!(kind, Kind::Boolean)
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetClock(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: usize,
-    values: *mut fmi3Clock,
-) -> fmi3Status {
-    let function = const { function("fmi3GetClock") };
-    let is_clock = |kind| matches!(kind, Kind::Clock);
-    // SAFETY: the importer keeps the standard.
-    unsafe { get(instance, function, is_clock, (references, count), (values, count), |value| value != 0.0) }
 }
 
 #[unsafe(no_mangle)]
@@ -241,31 +227,6 @@ pub unsafe extern "C" fn fmi3GetUInt64(
 }
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetString(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: usize,
-    _: *mut fmi3String,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { no_variables(instance, const { function("fmi3GetString") }, (references, count)) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetBinary(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: usize,
-    _: *mut usize,
-    _: *mut fmi3Binary,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { no_variables(instance, const { function("fmi3GetBinary") }, (references, count)) }
-}
-
-#[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFloat32(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,
@@ -359,17 +320,4 @@ pub unsafe extern "C" fn fmi3SetString(
 ) -> fmi3Status {
     // SAFETY: the importer keeps the standard.
     unsafe { no_variables(instance, const { function("fmi3SetString") }, (references, count)) }
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetBinary(
-    instance: fmi3Instance,
-    references: *const fmi3ValueReference,
-    count: usize,
-    _: *const usize,
-    _: *const fmi3Binary,
-    _: usize,
-) -> fmi3Status {
-    // SAFETY: the importer keeps the standard.
-    unsafe { no_variables(instance, const { function("fmi3SetBinary") }, (references, count)) }
 }

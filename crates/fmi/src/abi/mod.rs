@@ -13,6 +13,7 @@ pub mod fmi2;
 pub mod fmi2_exchange;
 pub mod fmi2_unsupported;
 pub mod fmi3;
+pub mod fmi3_buses;
 pub mod fmi3_exchange;
 pub mod fmi3_unsupported;
 pub mod fmi3_values;
@@ -52,24 +53,26 @@ unsafe fn instantiate(
         let (usage, returns_early) = asked_for?;
         // SAFETY: the caller's promise.
         let given = unsafe { text(token) }.unwrap_or_default();
-        let interface = resources::interface(&given, resources.as_deref())?;
+        let (interface, node) = resources::model(&given, resources.as_deref())?;
         check_usage(function, &interface, usage)?;
-        Ok((interface, usage, returns_early))
+        Ok((interface, node, usage, returns_early))
     });
-    match made {
-        Ok((interface, usage, returns_early)) => {
-            Box::into_raw(Box::new(Instance::new(interface, usage, returns_early, log))).cast()
-        }
+    let instance = match made {
+        Ok((interface, Some(node), ..)) => Instance::on_buses(interface, node, log),
+        Ok((interface, None, usage, returns_early)) => Instance::new(interface, usage, returns_early, log),
         Err(error) => {
             log.send(Status::Error, Category::Error, &error.to_string());
-            std::ptr::null_mut()
+            return std::ptr::null_mut();
         }
-    }
+    };
+    Box::into_raw(Box::new(instance)).cast()
 }
 
 fn check_usage(function: &'static Function, interface: &Interface, wanted: Use) -> Result<(), FmiError> {
     let why = match (interface.model().usage(), wanted) {
         (usage, wanted) if usage == wanted => return Ok(()),
+        (Use::OnBuses, Use::CoSimulationWithEvents) => return Ok(()),
+        (Use::OnBuses, Use::CoSimulation) => "eventModeUsed must be true: frames are exchanged in Event Mode",
         (Use::CoSimulation, Use::CoSimulationWithEvents) if interface.variant() == Variant::Full => {
             return Ok(());
         }

@@ -1,8 +1,8 @@
 //! Every export has the signature that the official header declares: what does not fit does not compile.
 
 use super::{
-    fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3::*, fmi3_exchange::*, fmi3_unsupported::*,
-    fmi3_values::*,
+    fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3::*, fmi3_buses::*, fmi3_exchange::*,
+    fmi3_unsupported::*, fmi3_values::*,
 };
 use crate::bindings::{fmi2::*, fmi3::*};
 

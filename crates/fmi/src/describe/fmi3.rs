@@ -8,6 +8,7 @@ use super::xml::{
     is_initial_unknown, items, leaf, measure, node, number, output_dependencies, range, state_of, units,
 };
 use crate::models::exchange::INDICATORS;
+use crate::models::node::{ROOM, of_bus};
 use crate::models::{Interface, Scalar, Use, Variant};
 use crate::variables::{Causality, Kind, Row};
 
@@ -36,6 +37,13 @@ pub fn terminals(interface: &Interface) -> String {
     document(|xml| {
         node(xml, "fmiTerminalsAndIcons", &[is("fmiVersion", "3.0")], |xml| {
             node(xml, "Terminals", &[], |xml| {
+                if interface.model().usage() == Use::OnBuses {
+                    return interface
+                        .buses()
+                        .iter()
+                        .enumerate()
+                        .try_for_each(|(bus, name)| network(xml, bus, name));
+                }
                 TERMINALS.into_iter().try_for_each(|(name, rows)| terminal(xml, interface, name, rows))
             })
         })
@@ -57,6 +65,68 @@ fn terminal(xml: &mut Xml, interface: &Interface, name: &str, rows: &[&str]) -> 
     })
 }
 
+/// A bus, as FMI-LS-BUS wants it (section 4.3.1).
+fn network(xml: &mut Xml, bus: usize, name: &str) -> io::Result<()> {
+    let attributes = [
+        is("name", name),
+        is("matchingRule", "org.fmi-ls-bus.transceiver"),
+        is("terminalKind", "org.fmi-ls-bus.network-terminal"),
+    ];
+    node(xml, "Terminal", &attributes, |xml| {
+        of_bus(bus).into_iter().try_for_each(|(_, member)| {
+            let variable = is("variableName", format!("{name}.{member}"));
+            leaf(
+                xml,
+                "TerminalMemberVariable",
+                &[variable, is("memberName", member), is("variableKind", "signal")],
+            )
+        })
+    })
+}
+
+/// The variables of a bus: binary ones, and the clocks that they belong to.
+fn of_network(xml: &mut Xml, bus: usize, name: &str) -> io::Result<()> {
+    let [rx_data, tx_data, rx_clock, tx_clock] = of_bus(bus);
+    let named = |(reference, member): (u32, &str), causality: &str| {
+        let name = format!("{name}.{member}");
+        vec![is("name", name), is("valueReference", reference), is("causality", causality)]
+    };
+    let clocked = |clock: (u32, &str), initial: &str| {
+        vec![
+            is("variability", "discrete"),
+            is("initial", initial),
+            is("clocks", clock.0),
+            is("mimeType", CAN),
+            is("maxSize", ROOM),
+        ]
+    };
+    let triggered = is("intervalVariability", "triggered");
+    node(xml, "Binary", &[named(rx_data, "input"), clocked(rx_clock, "exact")].concat(), |xml| {
+        leaf(xml, "Start", &[is("value", "")])
+    })?;
+    leaf(xml, "Binary", &[named(tx_data, "output"), clocked(tx_clock, "calculated")].concat())?;
+    leaf(xml, "Clock", &[named(rx_clock, "input"), vec![triggered.clone()]].concat())?;
+    leaf(xml, "Clock", &[named(tx_clock, "output"), vec![triggered]].concat())
+}
+
+/// The MIME type of CAN in FMI-LS-BUS 1.0.0.
+const CAN: &str = "application/org.fmi-standard.fmi-ls-bus.can; version=\"1.0.0\"";
+
+/// extra/org.fmi-standard.fmi-ls-bus/fmi-ls-manifest.xml
+pub fn manifest() -> String {
+    let attributes = [
+        is("xmlns:fmi-ls", "http://fmi-standard.org/fmi-ls-manifest"),
+        is("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-bus"),
+        is("fmi-ls:fmi-ls-version", "1.0.0"),
+        is(
+            "fmi-ls:fmi-ls-description",
+            "Layered Standard for Network Communication: network abstraction, CAN",
+        ),
+        is("isBusSimulationFMU", false),
+    ];
+    document(|xml| leaf(xml, "fmiLayeredStandardManifest", &attributes))
+}
+
 fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
     if interface.model().usage() == Use::ModelExchange {
         let attributes = [
@@ -73,12 +143,13 @@ fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         return leaf(xml, "ModelExchange", &attributes);
     }
     let is_full = interface.variant() == Variant::Full;
+    let is_on_buses = interface.model().usage() == Use::OnBuses;
     let attributes = [
         is("modelIdentifier", interface.model().identifier()),
         is("needsExecutionTool", false),
         is("canBeInstantiatedOnlyOncePerProcess", false),
-        is("canGetAndSetFMUState", true),
-        is("canSerializeFMUState", true),
+        is("canGetAndSetFMUState", !is_on_buses),
+        is("canSerializeFMUState", !is_on_buses),
         is("providesDirectionalDerivatives", false),
         is("providesAdjointDerivatives", false),
         is("providesPerElementDependencies", false),
@@ -87,7 +158,7 @@ fn capabilities(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         is("providesIntermediateUpdate", false),
         is("mightReturnEarlyFromDoStep", is_full),
         is("canReturnEarlyAfterIntermediateUpdate", false),
-        is("hasEventMode", is_full),
+        is("hasEventMode", is_full || is_on_buses),
     ];
     leaf(xml, "CoSimulation", &attributes)
 }
@@ -141,7 +212,8 @@ fn variables(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
             ]
             .concat();
             leaf(xml, kind.name(), &attributes)
-        })
+        })?;
+        interface.buses().iter().enumerate().try_for_each(|(bus, name)| of_network(xml, bus, name))
     })
 }
 
@@ -185,6 +257,11 @@ fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         outputs().try_for_each(|Scalar { reference, .. }| {
             let reference = is("valueReference", reference);
             leaf(xml, "Output", &[reference, ("dependencies", output_dependencies(interface))])
+        })?;
+        (0..interface.buses().len()).map(of_bus).try_for_each(|[_, data, _, clock]| {
+            [data, clock].into_iter().try_for_each(|(reference, _)| {
+                leaf(xml, "Output", &[is("valueReference", reference), is("dependencies", "")])
+            })
         })?;
         interface.scalars().filter(|scalar| state_of(scalar).is_some()).try_for_each(|scalar| {
             leaf(xml, "ContinuousStateDerivative", &[is("valueReference", scalar.reference)])

@@ -8,7 +8,7 @@ mod page;
 mod ssp;
 mod xml;
 
-use super::models::{Interface, MODELS, Model};
+use super::models::{Interface, MODELS, Model, Use};
 use super::variables::Kind;
 
 /// Version of the standard that an FMU follows.
@@ -80,8 +80,14 @@ pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Ve
             ("terminalsAndIcons/terminalsAndIcons.xml", fmi3::terminals(interface).into_bytes()),
         ]),
     }
+    if interface.model().usage() == Use::OnBuses {
+        files.push((MANIFEST, fmi3::manifest().into_bytes()));
+    }
     files.into_iter().map(|(path, content)| (path.to_owned(), content)).collect()
 }
+
+/// Where FMI-LS-BUS looks for its own.
+const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-bus/fmi-ls-manifest.xml";
 
 /// What is rendered and checked in: path under `modelDescription/` and content. `cargo fmu describe` writes it.
 pub fn checked_in() -> Vec<(String, Vec<u8>)> {

@@ -4,6 +4,7 @@ use quick_xml::escape::escape;
 
 use super::{Version, drawing, xml};
 use crate::log::CATEGORIES;
+use crate::models::node::{LONGEST_STEP, of_bus};
 use crate::models::{Interface, Model, Scalar, Use};
 use crate::variables::{ABOVE_ZERO, Causality, Row};
 use cable_robot::robot::Rig;
@@ -20,7 +21,7 @@ pub fn render(interface: &Interface, version: Version) -> String {
         first_steps(interface),
         variables(interface, version),
         statuses(interface),
-        behaviour(model),
+        if interface.buses().is_empty() { behaviour(model) } else { buses(interface) },
         logging(),
         limits(model),
     ];
@@ -70,6 +71,7 @@ fn first_steps(interface: &Interface) -> String {
         Model::Controller => include_str!("controller.py"),
         Model::Plant => include_str!("plant.py"),
         Model::PlantExchange => include_str!("plant_exchange.py"),
+        Model::Node(_) => return String::new(),
     };
     format!(
         "<h2>First steps in Python</h2>\n<p>With <code>pip install fmpy</code>:</p>\n<pre>{}</pre>",
@@ -79,7 +81,7 @@ fn first_steps(interface: &Interface) -> String {
 
 fn variables(interface: &Interface, version: Version) -> String {
     let (inputs, outputs) = match interface.model().usage() {
-        Use::CoSimulation | Use::CoSimulationWithEvents => {
+        Use::CoSimulation | Use::CoSimulationWithEvents | Use::OnBuses => {
             ("Held during a step.", "Known from Initialization Mode on; they change when a step ends.")
         }
         Use::ModelExchange => {
@@ -90,7 +92,9 @@ fn variables(interface: &Interface, version: Version) -> String {
         Model::Controller => {
             "Checked when initialisation ends, and fixed from then on, but for gains, limits and tolerances (variability tunable): those may change between two steps, and act as soon as the motion under way is proved to go on with them (parametersPending). A length, a mass or a gain must be greater than 0."
         }
-        Model::Plant | Model::PlantExchange => "Checked when initialisation ends, and fixed from then on.",
+        Model::Plant | Model::PlantExchange | Model::Node(_) => {
+            "Checked when initialisation ends, and fixed from then on."
+        }
     };
     let local = "States, their derivatives and the event indicators, for the integrator.";
     [
@@ -192,6 +196,7 @@ fn behaviour(model: Model) -> String {
             "The integrator controls its own error, so that results do not depend on the step size as long as the inputs \
              are held. The tolerance of the experiment is not used."
         }
+        Model::Node(_) => "",
         Model::PlantExchange => {
             "The importer integrates the 13 states. Each cable has one event indicator, <code>pull</code>: where it changes its sign the cable \
              goes slack or taut, and until the importer has found that instant the equations go on as before, so that they are smooth between \
@@ -201,7 +206,7 @@ fn behaviour(model: Model) -> String {
         }
     };
     let steps = match model.usage() {
-        Use::CoSimulation | Use::CoSimulationWithEvents => {
+        Use::CoSimulation | Use::CoSimulationWithEvents | Use::OnBuses => {
             "Steps may vary in size. The start of a step is compared with the end of the last one with a tolerance, so that 0.1 + 0.2 counts as 0.3. "
         }
         Use::ModelExchange => "",
@@ -213,6 +218,22 @@ fn behaviour(model: Model) -> String {
          serialised and continue bit for bit in another process, in either version of FMI. Several instances may run in \
          one process, each in its own thread if you like. The default inertia, the paper's Table I, is not one of a rigid \
          body (I1 + I2 &lt; I3); a warning says so and the equations accept it.</p>"
+    )
+}
+
+/// What there is beside the table on buses.
+fn buses(interface: &Interface) -> String {
+    let row = |(bus, name): (usize, &String)| {
+        let cells = of_bus(bus)
+            .map(|(reference, what)| format!("<td><code>{}.{what}</code> {reference}</td>", escape(name)));
+        format!("<tr>{}</tr>\n", cells.concat())
+    };
+    let rows: String = interface.buses().iter().enumerate().map(row).collect();
+    format!(
+        "<h2>Buses</h2>\n<p>FMI-LS-BUS 1.0.0, network abstraction, CAN. What is received in an event is taken in when its discrete states are updated; \
+         what a step sends waits for its end, where Tx_Clock ticks. A step may have the length of {} cycles; cycles at their times need a step that divides the period. \
+         What is no operation is answered with Format Error, and a warning says why.</p>\n<table>\n{rows}</table>",
+        LONGEST_STEP
     )
 }
 
@@ -230,8 +251,13 @@ fn logging() -> String {
 }
 
 fn limits(model: Model) -> String {
+    if model.usage() == Use::OnBuses {
+        return "<h2>Not tried</h2>\n<p>The FMU is tried with an importer of this project's own, on FMPy, and in no other. Saved states and \
+                derivatives are not supported, as modelDescription.xml says.</p>"
+            .to_owned();
+    }
     let lacking = match model.usage() {
-        Use::CoSimulation | Use::CoSimulationWithEvents => {
+        Use::CoSimulation | Use::CoSimulationWithEvents | Use::OnBuses => {
             "Event Mode, directional derivatives and derivatives of inputs and outputs are not supported"
         }
         Use::ModelExchange => "Adjoint derivatives are not supported",

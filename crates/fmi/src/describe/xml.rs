@@ -186,7 +186,7 @@ pub fn is_initial_unknown(scalar: &Scalar) -> bool {
 
 /// What outputs depend on while the model runs: nothing in co-simulation, else not said, which is all.
 pub fn output_dependencies(interface: &Interface) -> Option<String> {
-    (interface.model().usage() == Use::CoSimulation).then(String::new)
+    (interface.model().usage() != Use::ModelExchange).then(String::new)
 }
 
 /// The scalars that an output depends on at the start, as `number_of` counts them, in ascending order.

@@ -16,7 +16,10 @@ impl Instance {
 
     /// Whether something has happened that the importer should enter Event Mode for.
     pub fn needs_event_mode(&self) -> bool {
-        self.usage == Use::CoSimulationWithEvents && self.is_due()
+        match &self.node {
+            Some(node) => node.sends(),
+            None => self.usage == Use::CoSimulationWithEvents && self.is_due(),
+        }
     }
 
     /// The clock ticks where the planner will decide in the step that begins here.

@@ -22,8 +22,11 @@ impl Instance {
         self.now.state = State::EventMode;
     }
 
-    /// Events are done: decides which cables are slack from now on.
+    /// Events are done: decides which cables are slack from now on. On buses: takes in what was received.
     pub fn update_discrete_states(&mut self) {
+        if self.node.is_some() {
+            return self.update_node();
+        }
         self.stop_clock();
         self.refresh();
         let before = self.now.values.clone();

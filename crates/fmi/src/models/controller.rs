@@ -1,6 +1,6 @@
 //! The way from values to a [`Controller`] and back.
 
-mod enumerations;
+pub(super) mod enumerations;
 mod parameters;
 mod rows;
 

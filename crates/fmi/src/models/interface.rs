@@ -3,7 +3,7 @@
 use uuid::Uuid;
 
 use super::robot::{parameters, rig, rig_with_limits};
-use super::{Model, Running, controller, exchange, plant};
+use super::{Model, NodeKind, Running, controller, exchange, plant};
 use crate::error::FmiError;
 use crate::values::Values;
 use crate::variables::{Causality, Kind, Row};
@@ -23,6 +23,8 @@ pub struct Interface {
     /// Row and position of each value reference.
     places: Vec<Option<(usize, usize)>>,
     variant: Variant,
+    /// Names of the buses of a node.
+    buses: Vec<String>,
     token: String,
 }
 
@@ -65,6 +67,7 @@ impl Interface {
             Model::Controller => controller::ROWS,
             Model::Plant => plant::ROWS,
             Model::PlantExchange => exchange::ROWS,
+            Model::Node(kind) => kind.rows(),
         };
         let mut start = Values::zero(rows, 6);
         for row in rows {
@@ -81,6 +84,7 @@ impl Interface {
             Model::Controller => controller::rows_of(&file.rig),
             Model::Plant => plant::rows_of(plant::ROWS),
             Model::PlantExchange => plant::rows_of(exchange::ROWS),
+            Model::Node(kind) => kind.rows().to_vec(),
         };
         let cables = file.rig.cables.len();
         let mut start = Values::zero(&rows, cables);
@@ -98,8 +102,22 @@ impl Interface {
                 controller::write_start(&parameters, &file.home, &mut start);
             }
             Model::Plant | Model::PlantExchange => plant::write_start(&file.rig, &file.home, &mut start),
+            Model::Node(kind) => kind.write_start(&file.home, &mut start),
         }
         Self::new(model, rows, Some(file.rig), file.name.clone(), start, cables)
+    }
+
+    /// A node on buses of these names; `texts` are the files that it is made for.
+    pub fn on_buses(kind: NodeKind, file: &RigFile, buses: Vec<String>, texts: [&str; 2]) -> Self {
+        let node = Self::of_rig(Model::Node(kind), file);
+        let table = format!("{} {buses:?} {texts:?}", node.token);
+        let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string();
+        Self { buses, token, ..node }
+    }
+
+    /// Names of the buses of a node, in the order of its fieldbus file.
+    pub fn buses(&self) -> &[String] {
+        &self.buses
     }
 
     fn new(
@@ -121,7 +139,8 @@ impl Interface {
         let of_rig = rig.map(|rig| format!("{name} {rig:?} {start:?}")).unwrap_or_default();
         let table = format!("{} {} {rows:?}{of_rig}", model.identifier(), env!("CARGO_PKG_VERSION"));
         let token = Uuid::new_v5(&Uuid::NAMESPACE_URL, table.as_bytes()).to_string();
-        Self { model, rows, rig, name, cables, start, places, variant: Variant::Scalars, token }
+        let (variant, buses) = (Variant::Scalars, vec![]);
+        Self { model, rows, rig, name, cables, start, places, variant, buses, token }
     }
 
     /// The same, shown to importers otherwise.
@@ -143,7 +162,7 @@ impl Interface {
     /// The same for importers that know all of FMI 3: one array for all scalars of a row, and the controller's planner has a clock. The plant for Model
     /// Exchange stays as it is.
     fn with_everything(mut self) -> Self {
-        if self.model == Model::PlantExchange {
+        if matches!(self.model, Model::PlantExchange | Model::Node(_)) {
             return self;
         }
         if self.model == Model::Controller {
@@ -255,6 +274,7 @@ impl Interface {
     /// One sentence for the XML.
     pub fn description(&self) -> String {
         match (self.model, self.rig) {
+            (Model::Node(kind), _) => kind.description(&self.name),
             (Model::Controller, None) => {
                 "Controller and planner of a six-cable suspended robot: set points from which no cable goes slack".to_owned()
             }
@@ -288,6 +308,7 @@ impl Interface {
             Model::Controller => Running::Controller(controller::start(self, values, time)?),
             Model::Plant => Running::Plant(plant::start(self, values)?),
             Model::PlantExchange => Running::PlantExchange(exchange::start(self, values)?),
+            Model::Node(_) => return Err(FmiError::State(NOT_ITSELF.to_owned())),
         };
         running.write_outputs(values);
         Ok(running)
@@ -300,6 +321,7 @@ impl Interface {
                 let RobotParameters { i1, i2, i3, .. } = parameters(values);
                 [i1, i2, i3]
             }
+            (Some(known), Model::Node(_)) => principal(known),
             (Some(known), Model::Controller) => principal(&rig_with_limits(values, known)),
             (Some(known), Model::Plant | Model::PlantExchange) => principal(&rig(values, known)),
         };
@@ -318,6 +340,9 @@ impl Interface {
         ))
     }
 }
+
+/// Why a node is not started here.
+const NOT_ITSELF: &str = "a node on buses is more than its values";
 
 fn scalars_of(row: &'static Row, cables: usize) -> impl Iterator<Item = Scalar> {
     (0..row.count(cables)).map(move |position| Scalar { row, position, reference: row.reference(position) })

@@ -3,6 +3,7 @@
 pub mod controller;
 pub mod exchange;
 mod interface;
+pub mod node;
 pub mod plant;
 mod robot;
 
@@ -14,6 +15,7 @@ use cable_robot::plan::{Check, Controller, Fault};
 use cable_robot::sim::{ContinuousPlant, Plant};
 
 pub use interface::{Interface, Scalar, VARIANTS, Variant};
+pub use node::NodeKind;
 
 /// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +26,8 @@ pub enum Model {
     Plant,
     /// The same for an importer's own integrator.
     PlantExchange,
+    /// Behind the frames of a CAN bus (FMI-LS-BUS); not among [`MODELS`], since it is made for a fieldbus file.
+    Node(NodeKind),
 }
 
 /// What an importer does with a model.
@@ -33,6 +37,8 @@ pub enum Use {
     CoSimulation,
     /// It asks for steps, and handles events between them (FMI 3).
     CoSimulationWithEvents,
+    /// The same of a node on buses, which exchanges frames in events.
+    OnBuses,
     /// It integrates the derivatives.
     ModelExchange,
 }
@@ -61,6 +67,9 @@ impl Use {
             Use::CoSimulation | Use::CoSimulationWithEvents => {
                 "this FMU has Co-Simulation only, not Model Exchange"
             }
+            Use::OnBuses => {
+                "this FMU is a node on buses: it has Co-Simulation with Event Mode only, and no saved states"
+            }
             Use::ModelExchange => "this FMU has Model Exchange only, not Co-Simulation",
         }
     }
@@ -73,6 +82,8 @@ impl Model {
             Model::Controller => "CableRobotController",
             Model::Plant => "CableRobotPlant",
             Model::PlantExchange => "CableRobotPlantME",
+            Model::Node(NodeKind::Controller) => "CableRobotCanController",
+            Model::Node(NodeKind::Rig) => "CableRobotCanRig",
         }
     }
 
@@ -81,6 +92,7 @@ impl Model {
         match self {
             Model::Controller | Model::Plant => Use::CoSimulation,
             Model::PlantExchange => Use::ModelExchange,
+            Model::Node(_) => Use::OnBuses,
         }
     }
 
@@ -272,6 +284,7 @@ mod tests {
                 &[("motorTension[1]", -1.0), ("motorTension[2]", -1.0)],
                 &[("initialPose.x", 0.1), ("initialPose.roll", 0.1)],
             ],
+            Model::Node(_) => &[],
             Model::Plant => &[
                 &[],
                 &[("encoderResolution", 1e-3)],
@@ -320,6 +333,7 @@ mod tests {
             Kind::Float64 => vec![value * 1.001 + 1e-4, value - 1e-3, 0.3 * value, -value, 0.0, 20.0],
             Kind::Int32 => vec![value + 1.0],
             Kind::Boolean | Kind::Clock => vec![1.0 - value],
+            Kind::String => vec![],
             Kind::Enumeration(kind) => (1..=kind.items.len()).map(|item| item as f64).collect(),
         }
     }
