@@ -2,9 +2,8 @@
 
 use std::ptr::{null, null_mut};
 
-use cable_robot_fmi::abi::fmi3_values::fmi3GetClock;
 use cable_robot_fmi::abi::{
-    fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3_exchange::*, fmi3_unsupported::*,
+    fmi2::*, fmi2_exchange::*, fmi2_unsupported::*, fmi3_buses::*, fmi3_exchange::*, fmi3_unsupported::*,
 };
 use cable_robot_fmi::{CO_SIMULATION, Model};
 
@@ -76,6 +75,7 @@ fn what_is_not_supported_says_so() {
                 fmi3GetNumberOfVariableDependencies(i, 200, &mut instants.0),
                 fmi3GetOutputDerivatives(i, null(), 0, null(), null_mut(), 0),
                 fmi3GetClock(i, null(), 0, null_mut()),
+                fmi3SetClock(i, null(), 0, null()),
                 fmi3ActivateModelPartition(i, 0, 0.0),
             ]
         };

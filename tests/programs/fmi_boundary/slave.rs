@@ -99,20 +99,22 @@ pub fn instantiate(fmi: Fmi, usage: Use, token: &str, logging: bool, messages: &
             (Three, Use::ModelExchange) => {
                 fmi3InstantiateModelExchange(name, token.as_ptr(), place, false, logging, to, Some(log_3))
             }
-            (Three, Use::CoSimulation | Use::CoSimulationWithEvents) => fmi3InstantiateCoSimulation(
-                name,
-                token.as_ptr(),
-                place,
-                false,
-                logging,
-                false,
-                false,
-                null(),
-                0,
-                to,
-                Some(log_3),
-                None,
-            ),
+            (Three, Use::CoSimulation | Use::CoSimulationWithEvents | Use::OnBuses) => {
+                fmi3InstantiateCoSimulation(
+                    name,
+                    token.as_ptr(),
+                    place,
+                    false,
+                    logging,
+                    false,
+                    false,
+                    null(),
+                    0,
+                    to,
+                    Some(log_3),
+                    None,
+                )
+            }
         }
     }
 }

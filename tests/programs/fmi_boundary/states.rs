@@ -13,7 +13,9 @@ fn drive(slave: &Slave, from: u32, steps: u32) -> Vec<f64> {
         let wave = (0.01 * f64::from(i)).sin();
         match slave.model {
             Model::Controller => slave.set_reals(&[100, 118, 119], &[1e-3 * wave, 0.15, 0.1]),
-            Model::Plant | Model::PlantExchange => slave.set_reals(&[100, 107], &[10.0 + wave, 0.2 * wave]),
+            Model::Plant | Model::PlantExchange | Model::Node(_) => {
+                slave.set_reals(&[100, 107], &[10.0 + wave, 0.2 * wave])
+            }
         };
         assert_eq!(slave.step(f64::from(i) * 1e-3, 1e-3), OK, "{}", slave.last_message());
         trace.extend(picture(slave));

@@ -3,7 +3,7 @@
 use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
-use cable_robot_fmi::abi::{fmi2::*, fmi2_unsupported::*, fmi3::*, fmi3_values::*};
+use cable_robot_fmi::abi::{fmi2::*, fmi2_unsupported::*, fmi3::*, fmi3_buses::*, fmi3_values::*};
 use cable_robot_fmi::variables::{ABOVE_ZERO, Causality, Kind};
 use cable_robot_fmi::{CO_SIMULATION, Model};
 

@@ -1,5 +1,5 @@
 //! The operations of FMI-LS-BUS 1.0.0 for CAN as bytes: operation code (u32), length of the whole (u32), arguments; little endian,
-//! one behind the other. Sections 4.2 and 4.4.1 of the standard.
+//! one behind the other. Of the standard: "Layered Standard Bus Protocol", and "Operations" of "CAN, CAN FD, CAN XL".
 
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! FMI 3.0: what only nodes on buses have, but for the planner's clock: clocks, binary variables, texts, Configuration Mode.
 
-use super::{REFERENCES, VALUES, call, get, same_length, slice, slice_mut};
+use super::{REFERENCES, VALUES, call, get, no_variables, same_length, slice, slice_mut};
 use crate::bindings::fmi3::{
     fmi3Binary, fmi3Clock, fmi3Instance, fmi3Status, fmi3String, fmi3ValueReference,
 };
@@ -83,12 +83,15 @@ pub unsafe extern "C" fn fmi3GetString(
     let function = const { function("fmi3GetString") };
     // SAFETY: the importer keeps the standard.
     unsafe {
+        if !is_on_buses(instance) {
+            return no_variables(instance, function, (references, count));
+        }
         call(instance, function, |instance| {
             let (references, values) =
                 (slice((references, count), REFERENCES)?, slice_mut((values, room), VALUES)?);
+            same_length(count, room)?;
             for (i, &reference) in references.iter().enumerate() {
                 let text = instance.text(function, reference)?.as_ptr();
-                same_length(count, room)?;
                 values[i].write(text);
             }
             Ok(())
@@ -108,12 +111,15 @@ pub unsafe extern "C" fn fmi3GetBinary(
     let function = const { function("fmi3GetBinary") };
     // SAFETY: the importer keeps the standard.
     unsafe {
+        if !is_on_buses(instance) {
+            return no_variables(instance, function, (references, count));
+        }
         call(instance, function, |instance| {
             let references = slice((references, count), REFERENCES)?;
             let (sizes, values) = (slice_mut((sizes, room), SIZES)?, slice_mut((values, room), VALUES)?);
+            same_length(count, room)?;
             for (i, &reference) in references.iter().enumerate() {
                 let bytes = instance.binary(function, reference)?;
-                same_length(count, room)?;
                 sizes[i].write(bytes.len());
                 values[i].write(bytes.as_ptr());
             }
@@ -134,11 +140,14 @@ pub unsafe extern "C" fn fmi3SetBinary(
     let function = const { function("fmi3SetBinary") };
     // SAFETY: the importer keeps the standard.
     unsafe {
+        if !is_on_buses(instance) {
+            return no_variables(instance, function, (references, count));
+        }
         call(instance, function, |instance| {
             let references = slice((references, count), REFERENCES)?;
             let (sizes, values) = (slice((sizes, given), SIZES)?, slice((values, given), VALUES)?);
+            same_length(count, given)?;
             for (i, &reference) in references.iter().enumerate() {
-                same_length(count, given)?;
                 instance.set_binary(function, reference, slice((values[i], sizes[i]), VALUES)?)?;
             }
             Ok(())

@@ -65,7 +65,7 @@ fn terminal(xml: &mut Xml, interface: &Interface, name: &str, rows: &[&str]) -> 
     })
 }
 
-/// A bus, as FMI-LS-BUS wants it (section 4.3.1).
+/// A bus, as FMI-LS-BUS wants it ("Bus Terminal").
 fn network(xml: &mut Xml, bus: usize, name: &str) -> io::Result<()> {
     let attributes = [
         is("name", name),
@@ -269,6 +269,10 @@ fn structure(xml: &mut Xml, interface: &Interface) -> io::Result<()> {
         variables().filter(is_initial_unknown).try_for_each(|Scalar { row, reference, .. }| {
             let dependencies = is("dependencies", dependencies(interface, row, |known| known as usize));
             leaf(xml, "InitialUnknown", &[is("valueReference", reference), dependencies])
+        })?;
+        // What is clocked is none, its clock is.
+        (0..interface.buses().len()).map(of_bus).try_for_each(|[.., (clock, _)]| {
+            leaf(xml, "InitialUnknown", &[is("valueReference", clock), is("dependencies", "")])
         })?;
         let indicators = interface.rows().iter().filter(|row| row.first == INDICATORS.first);
         indicators.flat_map(|row| interface.scalars_of(row)).try_for_each(|Scalar { reference, .. }| {

@@ -98,6 +98,7 @@ fn variables(interface: &Interface, version: Version) -> String {
     };
     let local = "States, their derivatives and the event indicators, for the integrator.";
     [
+        ("Structural parameters", Causality::Structural, "To be set in Configuration Mode."),
         ("Parameters", Causality::Parameter, parameters),
         ("Inputs", Causality::Input, inputs),
         ("Outputs", Causality::Output, outputs),

@@ -256,7 +256,8 @@ impl Interface {
 
     /// Start value of a scalar; outputs have none.
     pub fn start_of(&self, scalar: &Scalar) -> Option<f64> {
-        let has_one = matches!(scalar.row.causality, Causality::Parameter | Causality::Input);
+        let of = scalar.row.causality;
+        let has_one = matches!(of, Causality::Parameter | Causality::Structural | Causality::Input);
         has_one.then(|| self.start.at(scalar.reference))
     }
 
