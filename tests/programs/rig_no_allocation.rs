@@ -6,6 +6,7 @@ mod counting_allocator;
 use cable_robot::plan::{ControllerInputs, ControllerParameters, PoseSource};
 use cable_robot::robot::{PerCable, Pose, RigFile};
 use cable_robot::sim::{ControllerModel, PlantParameters};
+use cable_robot_fieldbus::ls_bus::{ControllerNode, RigNode, Wishes};
 use cable_robot_fieldbus::simulated::SimulatedRig;
 use cable_robot_fieldbus::{Bridge, Config, FrameQueue, LibraryController, OperatorCommand, State};
 use counting_allocator::CALLS;
@@ -60,4 +61,41 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
         assert_eq!(report.fault, None);
     }
     assert_eq!((bridge.state(), calls), (State::Enabled, 0));
+}
+
+/// The same of the node on a simulated bus: what it receives, its cycles, and what it sends. The one step that allocates is the first that asks
+/// the controller, which is made then.
+#[test]
+fn a_node_on_a_simulated_bus_allocates_nothing_either() {
+    let lab = RigFile::parse(include_str!("../../rigs/can/lab.toml")).unwrap();
+    let config = Config::parse(include_str!("../../rigs/can/akd.toml"), &lab).unwrap();
+    let parameters = ControllerParameters {
+        pose_source: PoseSource::CableLengths,
+        force_loop: true,
+        ..ControllerParameters::of(&config.rig)
+    };
+    let mut wishes = Wishes { enable: false, home: true, reset: false, goal: config.home };
+    let mut rig = RigNode::new(config.clone(), PlantParameters::default()).unwrap();
+    let mut node = ControllerNode::new(config, parameters);
+    let mut allocating = vec![];
+    for k in 1..=16_000 {
+        let (now, was) = (k * 1_000_000, node.state());
+        wishes.enable = matches!(was, State::Ready | State::Enabled);
+        if was == State::Enabled && k > 15_000 {
+            wishes.goal = Pose::at(0.1, 0.1, 1.0);
+        }
+        rig.step(now);
+        rig.ports()[0].show();
+        let ((), allocations) = counted(|| {
+            node.step(now, &wishes);
+            node.ports()[0].show();
+            node.receive(0, rig.ports()[0].shown(), now, &mut |notice| panic!("{notice}"));
+            while node.take_event().is_some() {}
+        });
+        allocating.extend((allocations > 0).then_some(was));
+        rig.ports()[0].forget_shown();
+        rig.receive(0, node.ports()[0].shown(), now, &mut |notice| panic!("{notice}"));
+        node.ports()[0].forget_shown();
+    }
+    assert_eq!((node.state(), allocating), (State::Enabled, vec![State::Ready]));
 }

@@ -17,6 +17,8 @@ use cable_robot_fieldbus::{Config, State};
 pub struct Controller {
     node: ControllerNode,
     parameters: ControllerParameters,
+    /// Names of the buses.
+    buses: Vec<String>,
 }
 
 impl Controller {
@@ -26,7 +28,8 @@ impl Controller {
     /// [`GivenError`] for a parameter of the fieldbus file that the controller does not have.
     pub fn new(config: Config) -> Result<Self, GivenError> {
         let parameters = controller_parameters(&config)?;
-        Ok(Self { node: ControllerNode::new(config, parameters), parameters })
+        let buses = config.buses.iter().map(|bus| bus.name.clone()).collect();
+        Ok(Self { node: ControllerNode::new(config, parameters), parameters, buses })
     }
 }
 
@@ -74,8 +77,8 @@ impl Node for Controller {
     }
 
     fn receive(&mut self, bus: usize, bytes: &[u8], now: u64, log: &Log) {
-        let name = self.node.config().buses[bus].name.clone();
-        self.node.receive(bus, bytes, now, &mut |notice| say(log, &name, notice));
+        let name = &self.buses[bus];
+        self.node.receive(bus, bytes, now, &mut |notice| say(log, name, notice));
     }
 
     fn show(&mut self, bus: usize) -> bool {
