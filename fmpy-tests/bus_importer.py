@@ -183,11 +183,11 @@ class Bus:
 
 
 class Pair:
-    """Controller and rig on one bus."""
+    """Controller and rig, on their buses; a line with a memory is for one bus."""
 
-    def __init__(self, folder, step, line=None, bus="can0", **options):
+    def __init__(self, folder, step, line=None, **options):
         self.controller, self.rig = (Node(folder / f"CableRobotCan{name}.fmu", **options) for name in ("Controller", "Rig"))
-        self.nodes, self.length, self.line, self.bus = [self.controller, self.rig], step, line or Direct(), bus
+        self.nodes, self.length, self.line = [self.controller, self.rig], step, line or Direct()
         self.trace, self.count = [], 0
         for node in self.nodes:
             node.initialize()
@@ -202,10 +202,11 @@ class Pair:
 
     def _exchange(self):
         """One event of all, which are in Event Mode."""
-        sent = [node.send(self.bus) for node in self.nodes]
-        self.trace.append((self.count, sent))
-        for node, data in zip(self.nodes, self.line.pass_on(self.count * self.length, sent)):
-            node.receive(self.bus, data)
+        for bus in self.controller.buses:
+            sent = [node.send(bus) for node in self.nodes]
+            self.trace.append((self.count, sent))
+            for node, data in zip(self.nodes, self.line.pass_on(self.count * self.length, sent)):
+                node.receive(bus, data)
         for node in self.nodes:
             needs_update, *_ = node.fmu.updateDiscreteStates()
             assert not needs_update

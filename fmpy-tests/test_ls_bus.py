@@ -134,6 +134,9 @@ def test_a_button_that_is_let_go_leads_to_the_safe_state(akd):
     with Pair(akd, STEP) as pair:
         pair.start()
         pair.controller["enable"] = False
+        # At once, not when the enable expires.
+        pair.run(4 * STEP)
+        assert pair.state == "Stopping"
         pair.run_until("Safe", 1.0)
         assert pair.controller["fault"] == "" and pair.rig["supportNumber"] == 2
 
@@ -144,6 +147,18 @@ def test_eight_cables_start_as_well(eight):
         pair.run(1.0)
         assert pair.state == "Enabled"
         assert pair.rig["motorTension[8]"] > 0.0
+
+
+def test_two_buses_are_two_terminals(tmp_path):
+    drives, cells = (ROOT / "rigs/can/akd.toml").read_text().split("[[load_cells]]", 1)
+    drives = drives.replace('rig = "lab.toml"', f'rig = "{ROOT}/rigs/can/lab.toml"')
+    second = '[[buses]]\nname = "can1"\nbit_rate = 500e3\n\n[heartbeat]'
+    (tmp_path / "two.toml").write_text(drives.replace("[heartbeat]", second) + "[[load_cells]]" + cells.replace('"can0"', '"can1"'))
+    with Pair(packed(tmp_path, tmp_path / "two.toml"), STEP) as pair:
+        assert list(pair.controller.buses) == list(pair.rig.buses) == ["can0", "can1"]
+        rates = [operations(sent)[0][1][1:] for _, both in pair.trace[:2] for sent in both]
+        assert rates == [struct.pack("<I", rate) for rate in (1_000_000, 1_000_000, 500_000, 500_000)]
+        assert pair.start()[-1] == "Enabled"
 
 
 HOSTILE = {

@@ -149,6 +149,9 @@ fn a_button_that_is_let_go_leads_to_the_safe_output() {
     let mut joined = Joined::new();
     joined.start();
     joined.wishes.enable = false;
+    // At once, not when the enable expires.
+    joined.run(joined.controller.config().period as f64 * 1e-9);
+    assert_eq!(joined.controller.state(), State::Stopping);
     joined.run_until(State::Safe, 1.0);
     assert_eq!(joined.fault(), None);
 }
