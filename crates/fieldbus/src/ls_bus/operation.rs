@@ -135,7 +135,8 @@ fn read(one: &[u8]) -> Result<Operation<'_>, Flaw> {
     })
 }
 
-/// A classic frame. A remote frame has a length; bytes behind it are not on the bus, and writers differ in whether they are here.
+/// A classic frame. A remote frame has a length; bytes behind it are not on the bus, and writers differ in whether they are here: those of
+/// the standard's headers of 1.0.0 have them, later ones have not.
 fn transmitted(one: &[u8]) -> Result<Option<Frame>, Flaw> {
     let (ide, rtr) = (boolean(one, HEADER + 4, "ide")?, boolean(one, HEADER + 5, "rtr")?);
     let id = u32_at(one, HEADER).ok_or(Flaw::Truncated(one.len()))?;
@@ -241,11 +242,13 @@ impl Request {
         match self {
             Self::Transmit(frame) => {
                 let (id, is_remote) = (u32::from(frame.id()), frame.kind() == FrameKind::Remote);
-                header(out, code::CAN_TRANSMIT, TRANSMIT + frame.bytes().len());
+                // The standard's length counts the bytes that a remote frame asks for.
+                let data = if is_remote { &[0; LARGEST_DATA][..frame.length()] } else { frame.bytes() };
+                header(out, code::CAN_TRANSMIT, TRANSMIT + data.len());
                 out.extend(id.to_le_bytes());
                 out.extend([0, is_remote.into()]);
                 out.extend((frame.length() as u16).to_le_bytes());
-                out.extend(frame.bytes());
+                out.extend(data);
             }
             Self::BitRate(rate) => {
                 header(out, code::CONFIGURATION, HEADER + 5);

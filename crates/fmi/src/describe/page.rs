@@ -114,9 +114,10 @@ fn variables(interface: &Interface, version: Version) -> String {
              <th>Start</th><th>Range</th><th>Reference</th><th>Meaning</th></tr>\n{rows}</table></div>"
         )
     })
+    .into_iter()
+    .filter(|table| !table.is_empty())
+    .collect::<Vec<_>>()
     .join("\n")
-    .trim_end()
-    .to_owned()
 }
 
 fn table_row(interface: &Interface, version: Version, row: &'static Row) -> String {
