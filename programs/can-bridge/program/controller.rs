@@ -158,6 +158,7 @@ fn say(message: &LogMessage) {
 #[cfg(test)]
 mod tests {
     use cable_robot::plan::{Controller, Status};
+    use cable_robot_fieldbus::config::Parameter;
 
     use super::*;
     use crate::program::tests::config;
