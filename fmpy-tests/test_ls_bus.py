@@ -188,6 +188,13 @@ def test_what_is_no_operation_is_answered_with_format_error_and_a_message(akd, m
         assert answers == [struct.pack("<H", len(data)) + data]
 
 
+def test_what_is_evaluated_within_an_event_is_still_to_be_sent(akd):
+    with Node(akd / "CableRobotCanController.fmu") as node:
+        node.initialize()
+        node.fmu.fmi3EvaluateDiscreteStates(node.fmu.component)
+        assert [code for code, _ in operations(node.send("can0"))] == [CONFIGURATION, CONFIGURATION]
+
+
 def refused(node, call, *words):
     with pytest.raises(FMICallException):
         call()

@@ -33,7 +33,7 @@ pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: fmi3Instance) -> f
     // SAFETY: the importer keeps the standard.
     unsafe {
         call(instance, const { function("fmi3EvaluateDiscreteStates") }, |instance| {
-            instance.update_discrete_states();
+            instance.evaluate_discrete_states();
             Ok(())
         })
     }

@@ -22,6 +22,13 @@ impl Instance {
         self.now.state = State::EventMode;
     }
 
+    /// What an event changes at once. On buses nothing: what is received is taken in when the event is over, and what is sent stays until then.
+    pub fn evaluate_discrete_states(&mut self) {
+        if self.node.is_none() {
+            self.update_discrete_states();
+        }
+    }
+
     /// Events are done: decides which cables are slack from now on. On buses: takes in what was received.
     pub fn update_discrete_states(&mut self) {
         if self.node.is_some() {
