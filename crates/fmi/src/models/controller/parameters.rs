@@ -209,7 +209,7 @@ pub const PLANNER_NUMBER: Row = Row {
         "plannerNumber",
         Kind::Int32,
         &[0.0],
-        "planner, for importers that know no enumerations; 0: as planner says",
+        "planner, for importers that know no enumerations: one of its numbers, or 0: as planner says",
     )
 };
 pub const POSE_SOURCE_NUMBER: Row = Row {
@@ -220,6 +220,6 @@ pub const POSE_SOURCE_NUMBER: Row = Row {
         "poseSourceNumber",
         Kind::Int32,
         &[0.0],
-        "poseSource, for importers that know no enumerations; 0: as poseSource says",
+        "poseSource, for importers that know no enumerations: one of its numbers, or 0: as poseSource says",
     )
 };
