@@ -1,6 +1,6 @@
-//! What the limits of the tensions ask of s'' and s'² at a place on a straight way through the six coordinates, for any rig.
+//! What the limits of the tensions ask of s'' and s'² at a place on a way through the six coordinates, for any rig.
 //!
-//! q = q₀ + D s, so q' = D s', q'' = D s'', and the wrench that the cables must give is w₀ + w₁ s'' + w₂ s'², Eq. (1). The wrenches of tensions
+//! With q(s), slope D = dq/ds and bend B = d²q/ds², q' = D s', q'' = D s'' + B s'², and the wrench that the cables must give is w₀ + w₁ s'' + w₂ s'², Eq. (1). The wrenches of tensions
 //! within their limits are a zonotope: between two planes for each five cables, with the normal c that all five of their columns are across to,
 //!
 //! ```text
@@ -12,8 +12,9 @@
 use nalgebra::Vector6;
 
 use super::polygon::{Condition, Polygon};
+use crate::reach::certificate::section::Section;
 use crate::robot::dynamics::{required_wrench, wrench_of};
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Rig, TensionLimits};
 
 /// What six coordinates have one of more of.
 const FIVE: usize = 5;
@@ -22,20 +23,22 @@ const FLAT: f64 = 1e-9;
 /// Accelerations looked at: up to this many times gravity, and what all cables together give.
 const MOST_G: f64 = 100.0;
 
-/// The s'' and s'² at a pose on the way `way` (D) with which there are tensions within `limits`; empty where there are none.
-pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &Coordinates) -> Polygon {
+/// The s'' and s'² at the place s on a section with which there are tensions within `limits`; empty where there are none.
+pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, section: &Section, s: f64) -> Polygon {
+    let (pose, slope) = (&section.pose(s), &section.slope(s));
     let none = Coordinates::zeros();
     let at_rest = required_wrench(rig, pose, &none, &none);
-    let of_a = wrench_of(rig, pose, way);
-    let of_x = required_wrench(rig, pose, way, &none) - at_rest;
+    let of_a = wrench_of(rig, pose, slope);
+    let of_x = required_wrench(rig, pose, slope, &section.bend(s)) - at_rest;
     let radius = rig.platform_radius();
     // Torques count as forces at the platform's radius, so that lengths mean something.
     let scaled = |w: &Vector6<f64>| Vector6::from_fn(|k, _| if k < 3 { w[k] } else { w[k] / radius });
     let columns = rig.cables_at(pose).wrench_matrix().map(|column| scaled(&column));
     let [at_rest, of_a, of_x] = [at_rest, of_a, of_x].map(|w| scaled(&w));
-    let most = most(rig, limits, way);
+    let most = most(rig, limits, slope);
     let mut polygon = Polygon::rectangle(most, most);
-    if columns.len() < LEAST_CABLES || limits.len() != columns.len() {
+    // Where the way does not lead on, nothing says how fast.
+    if columns.len() < LEAST_CABLES || limits.len() != columns.len() || !most.is_finite() {
         return Polygon::none();
     }
     let mut chosen = [0, 1, 2, 3, 4];
@@ -66,10 +69,10 @@ pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &
 }
 
 /// The greatest s'' and s'² looked at, 1/s².
-fn most(rig: &Rig, limits: &PerCable<TensionLimits>, way: &Coordinates) -> f64 {
+fn most(rig: &Rig, limits: &PerCable<TensionLimits>, slope: &Coordinates) -> f64 {
     let pulls = limits.iter().map(|limits| limits.max).filter(|max| max.is_finite());
     let fastest = MOST_G * rig.gravity.norm() + pulls.sum::<f64>() / rig.mass;
-    let [linear, angular] = [0, 3].map(|k| way.fixed_rows::<3>(k).norm());
+    let [linear, angular] = [0, 3].map(|k| slope.fixed_rows::<3>(k).norm());
     fastest / (linear + rig.platform_radius() * angular)
 }
 
@@ -115,7 +118,7 @@ fn across(columns: &PerCable<Vector6<f64>>, chosen: &[usize; FIVE]) -> Option<Ve
 mod tests {
     use super::*;
     use crate::control::distribution::widest_margin;
-    use crate::robot::RigFile;
+    use crate::robot::{Pose, RigFile};
     use rand::{RngExt, SeedableRng};
 
     /// The tension distribution, which is another method, finds tensions where this says that there are some, and nowhere else.
@@ -132,13 +135,15 @@ mod tests {
             for _ in 0..300 {
                 let mut any = |size: f64| Coordinates::from_fn(|_, _| rng.random_range(-size..size));
                 let (size, pose) = (rig.radius(), Pose(home.0 + any(0.1)));
-                let mut way = any(1.0);
-                (0..3).for_each(|k| way[k] *= 0.3 * size);
-                let polygon = feasible(&rig, &rig.limits(), &pose, &way);
+                let [mut way, mut bend] = [any(1.0), any(1.0)];
+                (0..3).for_each(|k| (way[k], bend[k]) = (way[k] * 0.3 * size, bend[k] * 0.3 * size));
+                let section = Section { begin: 0.0, coefficients: [pose.0, way, bend, any(1.0)] };
+                let polygon = feasible(&rig, &rig.limits(), &section, 0.0);
                 let (widest, highest) = (polygon.between(0.0).unwrap_or([-1.0, 1.0]), polygon.highest());
                 let a = 1.5 * rng.random_range(widest[0]..widest[1]);
                 let x = 1.5 * rng.random_range(0.0..highest.unwrap_or(1.0));
-                let wrench = required_wrench(&rig, &pose, &(way * f64::sqrt(x)), &(way * a));
+                let wrench =
+                    required_wrench(&rig, &pose, &(way * f64::sqrt(x)), &(way * a + bend * (2.0 * x)));
                 let margin = widest_margin(&rig, &rig.cables_at(&pose).wrench_matrix(), &wrench);
                 let is_in =
                     polygon.between(x).is_some_and(|[least, greatest]| (least..=greatest).contains(&a));

@@ -6,31 +6,32 @@ use super::arc::{Along, Timing};
 use super::line::Line;
 use super::path::Path;
 use crate::control::Reference;
-use crate::robot::{Coordinates, Pose, Rig};
+use crate::reach::certificate::section::Section;
+use crate::robot::{Pose, Rig};
 
-/// A straight way.
+/// A way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "boxing would allocate in a step")]
 pub enum Way {
-    /// Of the paper's robot, level: s in m.
-    Line(Line),
+    /// Straight on, of the paper's robot, level: s in m. And where that is in the rig's own frame.
+    Line(Line, Section),
     /// Of any: s from 0 to 1.
     Path(Path),
 }
 
 impl Way {
-    /// In units of s.
-    pub(super) fn length(&self) -> f64 {
+    fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
         match self {
-            Self::Line(line) => line.length(),
-            Self::Path(_) => 1.0,
+            Self::Line(line, _) => line.stop(s, v),
+            Self::Path(path) => path.stop(rig, s, v),
         }
     }
 
-    fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
+    /// The section that leads on from s.
+    fn section(&self, s: f64) -> &Section {
         match self {
-            Self::Line(line) => line.stop(s, v),
-            Self::Path(path) => path.stop(rig, s, v),
+            Self::Line(_, section) => section,
+            Self::Path(path) => path.way.section(s),
         }
     }
 }
@@ -42,9 +43,6 @@ pub struct Leg {
     pub(super) timing: Timing,
     /// When it begins, s.
     pub(super) begin: f64,
-    /// Where the way begins, and the rates of the coordinates at s' = 1.
-    pub(super) from: Pose,
-    pub(super) direction: Coordinates,
     /// What holding the commands costs on it, N.
     pub(super) held: f64,
 }
@@ -57,28 +55,28 @@ impl Leg {
 
     /// Where it ends.
     pub(super) fn end_pose(&self) -> Pose {
-        Pose(self.from.0 + self.direction * self.timing.end)
+        self.way.section(self.timing.end).pose(self.timing.end)
     }
 
     fn at(&self, time: f64) -> Reference {
-        self.led(self.timing.at(time - self.begin))
+        let along = self.timing.at(time - self.begin);
+        self.led(self.way.section(along[0]), along)
     }
 
     /// Both ends of every arc, with their times, s.
     fn arcs(&self) -> impl Iterator<Item = [(f64, Reference); 2]> {
-        let arcs = self.timing.arcs();
-        (0..arcs.len()).map(move |k| {
-            let begin = arcs[k].begin;
-            let end = arcs.get(k + 1).map_or(self.timing.duration, |next| next.begin);
-            [begin, end].map(|t| (self.begin + t, self.led(arcs[k].at(t - begin))))
+        self.timing.spans().map(|(arc, duration)| {
+            let section = self.way.section(arc.s);
+            [0.0, duration].map(|t| (self.begin + arc.begin + t, self.led(section, arc.at(t))))
         })
     }
 
-    fn led(&self, [s, v, a]: Along) -> Reference {
+    fn led(&self, section: &Section, [s, v, a]: Along) -> Reference {
+        let slope = section.slope(s);
         Reference {
-            pose: Pose(self.from.0 + self.direction * s),
-            rates: self.direction * v,
-            accelerations: self.direction * a,
+            pose: section.pose(s),
+            rates: slope * v,
+            accelerations: slope * a + section.bend(s) * (v * v),
         }
     }
 

@@ -9,7 +9,9 @@ pub mod line;
 pub mod path;
 mod planning;
 mod polygon;
+mod track;
 
 pub use arc::{Along, Arc, Timing};
 pub use course::Course;
 pub use line::Line;
+pub use track::Track;

@@ -1,4 +1,4 @@
-//! The fastest motion of any rig along a straight way through the six coordinates: path timing on a grid, and the proof of what is between.
+//! The fastest motion of any rig along a way through the six coordinates: path timing on a grid, and the proof of what is between.
 //!
 //! s'' is constant on each interval of the grid, so s'² is linear in s. Backwards from rest at the end follows how fast the platform may be at each place and
 //! still be able to stop there; forwards it goes as fast as that allows. The tensions keep their limits at both ends of each interval; that they do in between is
@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::arc::{MOST_ARCS, Timing};
 use super::conditions::feasible;
 use super::polygon::{Condition, Polygon};
+use super::track::Track;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
 use crate::robot::pose::PITCH;
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
 /// Intervals of the grid.
 const INTERVALS: usize = MOST_ARCS;
@@ -38,13 +39,11 @@ impl Work {
     }
 }
 
-/// A straight way through the six coordinates: q = `from` + `way` s, s from 0 to 1, and what is to be kept on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A way through the six coordinates, and what is to be kept on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// Where it begins, m and rad.
-    pub from: Pose,
-    /// To its end, m and rad.
-    pub way: Coordinates,
+    /// Sections join at places of the grid.
+    pub way: Track,
     /// Limits of the tensions, N.
     pub limits: PerCable<TensionLimits>,
     /// Greatest s'², 1/s².
@@ -112,13 +111,14 @@ impl Path {
     }
 
     fn pose(&self, s: f64) -> Pose {
-        Pose(self.from.0 + self.way * s)
+        self.way.pose(s)
     }
 
     /// What is feasible at a place, with the limits narrowed.
     fn polygon(&self, rig: &Rig, s: f64, narrowed: f64) -> Polygon {
         let limits = self.limits.map(|limits| limits.shrunk(narrowed));
-        let mut polygon = feasible(rig, &limits, &self.pose(s), &self.way);
+        let on = self.way.touching(s).map(|section| feasible(rig, &limits, section, s));
+        let mut polygon = on.reduce(|one, other| one.within(&other)).unwrap_or_else(Polygon::none);
         if self.fastest.is_finite() {
             polygon.clip(&Condition { a: 0.0, x: 1.0, bound: self.fastest });
         }
@@ -176,7 +176,8 @@ impl Path {
     ) -> [bool; MOST_ARCS] {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
-            let piece = Piece { from: self.from, way: self.way, s: arc.s, v: arc.v, a: arc.a, duration };
+            let section = *self.way.section(arc.s);
+            let piece = Piece { section, s: arc.s, v: arc.v, a: arc.a, duration };
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed
@@ -201,12 +202,12 @@ mod tests {
     use super::super::Line;
     use super::*;
     use crate::control::{static_margin, tensions};
-    use crate::robot::{RigFile, RobotParameters};
+    use crate::robot::{Coordinates, RigFile, RobotParameters};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
     fn path(rig: &Rig, from: Pose, to: &Pose) -> Path {
-        Path { from, way: to.minus(&from), limits: rig.limits(), fastest: f64::INFINITY }
+        Path { way: Track::straight(&from, to), limits: rig.limits(), fastest: f64::INFINITY }
     }
 
     /// On a level line of the paper's robot both ways give the same.
@@ -259,8 +260,10 @@ mod tests {
                     }
                     for k in 0..=500 {
                         let [s, v, a] = timing.at(timing.duration * f64::from(k) / 500.0);
+                        let (slope, bend) = (path.way.section(s).slope(s), path.way.section(s).bend(s));
+                        let accelerations = slope * a + bend * (v * v);
                         let tension =
-                            tensions(rig, &path.pose(s), &(path.way * v), &(path.way * a), 0.0).unwrap();
+                            tensions(rig, &path.pose(s), &(slope * v), &accelerations, 0.0).unwrap();
                         let is_kept = |(u, limits): (&f64, &TensionLimits)| limits.margin(*u) > -1e-9;
                         assert!(tension.iter().zip(&path.limits).all(is_kept), "{path:?} {tension:?}");
                     }

@@ -5,10 +5,12 @@ use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
 use super::path::{Path, Work};
+use super::track::Track;
 use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
+use crate::reach::certificate::section::Section;
 use crate::robot::{Coordinates, Pose, Shape};
 
 /// What counts as level, rad: rounding of rigs that stand turned.
@@ -101,8 +103,7 @@ impl Planner {
             // A shift costs the more the more the cables pull.
             let needed = of_error * BETWEEN.max(greatest / at_rest) + held;
             if needed <= (kept - unknown).max(0.0) {
-                let direction = to.minus(from) / way.length();
-                return Some(Leg { way, timing, begin, from: *from, direction, held });
+                return Some(Leg { way, timing, begin, held });
             }
             spare = MORE * needed;
         }
@@ -132,7 +133,8 @@ impl Planner {
         let [first, second] = line.derivatives(&timing);
         let [change, greatest] = line.extent(&timing);
         let held = self.cost_of(hold, [first, second, change]);
-        Some(Timed { way: course::Way::Line(line), timing, held, greatest })
+        let section = Section::straight(from, &(to.minus(from) / line.length()));
+        Some(Timed { way: course::Way::Line(line, section), timing, held, greatest })
     }
 
     /// Of any rig.
@@ -146,7 +148,8 @@ impl Planner {
         let way = to.minus(from);
         let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
         let fastest = self.greatest_speed(linear, angular);
-        let path = Path { from: *from, way, limits: self.limits(spare), fastest: fastest * fastest };
+        let path =
+            Path { way: Track::straight(from, to), limits: self.limits(spare), fastest: fastest * fastest };
         let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
         Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest() })

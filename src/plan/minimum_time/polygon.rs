@@ -74,19 +74,29 @@ impl Polygon {
 
     /// Leaves what leads into `next` at a place `ds` farther on: with s'² = x + 2 s'' ds there.
     pub fn clip_to_reach(&mut self, next: &Self, ds: f64) {
+        for condition in next.conditions() {
+            self.clip(&Condition { a: condition.a + 2.0 * ds * condition.x, ..condition });
+        }
         if next.is_empty() {
             self.corners.clear();
         }
-        for (k, [a0, x0]) in next.corners.iter().enumerate() {
-            let [a1, x1] = next.corners[(k + 1) % next.corners.len()];
-            // Inside is on the left of each edge: (a1 - a0)(x - x0) - (x1 - x0)(a - a0) ≥ 0.
+    }
+
+    /// What is in both.
+    #[must_use]
+    pub fn within(mut self, other: &Self) -> Self {
+        self.clip_to_reach(other, 0.0);
+        self
+    }
+
+    /// Its edges: inside is on the left of each, (a1 - a0)(x - x0) - (x1 - x0)(a - a0) ≥ 0.
+    fn conditions(&self) -> impl Iterator<Item = Condition> {
+        self.corners.iter().enumerate().filter_map(|(k, [a0, x0])| {
+            let [a1, x1] = self.corners[(k + 1) % self.corners.len()];
             let (across, along) = (x1 - x0, a1 - a0);
-            let at_next = Condition { a: across, x: -along, bound: across * a0 - along * x0 };
-            if across == 0.0 && along == 0.0 {
-                continue;
-            }
-            self.clip(&Condition { a: at_next.a + 2.0 * ds * at_next.x, ..at_next });
-        }
+            let is_edge = across != 0.0 || along != 0.0;
+            is_edge.then_some(Condition { a: across, x: -along, bound: across * a0 - along * x0 })
+        })
     }
 
     /// The greatest s'² in it.

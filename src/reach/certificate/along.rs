@@ -1,22 +1,21 @@
-//! The proof along a straight way through the six coordinates, in pieces of constant acceleration.
+//! The proof along a way through the six coordinates, in pieces of constant acceleration along it.
 
 use super::motion::{Motion, Span};
 use super::search::{Finding, judge};
+use super::section::Section;
 use super::statics::cables;
 use super::taylor::Taylor;
 use super::{Range, redundant};
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
 
 /// Halvings of a piece before it counts as not proved.
 const MOST_HALVINGS: i32 = 10;
 
-/// q = `from` + `way` s with s(t) = `s` + `v` t + `a` t²/2, for `duration` seconds.
+/// q = `section`(s) with s(t) = `s` + `v` t + `a` t²/2, for `duration` seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// m, rad.
-    pub from: Pose,
-    /// Of the coordinates, for s from 0 to 1: m, rad.
-    pub way: Coordinates,
+    /// Of the way.
+    pub section: Section,
     /// At its beginning.
     pub s: f64,
     /// 1/s.
@@ -125,18 +124,16 @@ impl Piece {
 
     /// Within `half` s of an instant.
     fn motion(&self, middle: f64, half: f64) -> Motion {
-        let Self { from, way, s, v, a, .. } = self;
+        let Self { section, s, v, a, .. } = self;
         let (at, speed) = (s + v * middle + 0.5 * a * middle * middle, v + a * middle);
         let rounding = 8.0 * f64::EPSILON * (s.abs() + (v * middle).abs() + (a * middle * middle).abs());
         let mut place = Taylor::ball(at, rounding);
         (place.coefficients[1], place.coefficients[2]) = (speed * half, 0.5 * a * half * half);
         let mut rate = Taylor::ball(speed, 8.0 * f64::EPSILON * (v.abs() + (a * middle).abs()));
         rate.coefficients[1] = a * half;
-        Motion {
-            coordinates: std::array::from_fn(|k| place * way[k] + Taylor::constant(from.0[k])),
-            rates: std::array::from_fn(|k| rate * way[k]),
-            accelerations: std::array::from_fn(|k| Taylor::constant(*a) * way[k]),
-        }
+        let led = section.led(place, rate, Taylor::constant(*a));
+        let [coordinates, rates, accelerations] = [0, 1, 2].map(|order| led.map(|of| of[order]));
+        Motion { coordinates, rates, accelerations }
     }
 }
 
@@ -144,7 +141,7 @@ impl Piece {
 mod tests {
     use super::*;
     use crate::control::tensions;
-    use crate::robot::RigFile;
+    use crate::robot::{Coordinates, Pose, RigFile};
     use rand::{RngExt, SeedableRng};
 
     /// Random pieces: what is proved is so in dense samples, and nearly all that is so is proved.
@@ -153,20 +150,25 @@ mod tests {
         let rig = RigFile::default().rig;
         let mut rng = rand_pcg::Pcg64::seed_from_u64(2);
         let (mut proved, mut missed) = (0, 0);
-        for _ in 0..400 {
+        for run in 0..400 {
             let mut any = |size: f64| rng.random_range(-size..size);
             let from =
                 Pose(Coordinates::new(any(0.1), any(0.1), 1.0 + any(0.2), any(0.1), any(0.1), any(0.4)));
-            let way = Coordinates::from_fn(|k, _| any(if k < 3 { 0.3 } else { 0.5 }));
+            let mut way = || Coordinates::from_fn(|k, _| any(if k < 3 { 0.3 } else { 0.5 }));
+            let mut section = Section::straight(&from, &way());
+            if run % 2 == 1 {
+                section = Section { begin: 0.1, coefficients: [from.0, way(), way(), way()] };
+            }
             let piece =
-                Piece { from, way, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), duration: 0.06 + any(0.05) };
+                Piece { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), duration: 0.06 + any(0.05) };
             let mut seen = Seen::none(&rig);
             let found = piece.is_proved(&rig, &rig.limits(), &mut 100, &mut seen);
             let margin = (0..=200).map(|k| {
                 let t = piece.duration * f64::from(k) / 200.0;
                 let (s, v) = (piece.s + piece.v * t + 0.5 * piece.a * t * t, piece.v + piece.a * t);
-                let tension =
-                    tensions(&rig, &Pose(from.0 + way * s), &(way * v), &(way * piece.a), 0.0).unwrap();
+                let (slope, bend) = (section.slope(s), section.bend(s));
+                let accelerations = slope * piece.a + bend * (v * v);
+                let tension = tensions(&rig, &section.pose(s), &(slope * v), &accelerations, 0.0).unwrap();
                 tension.into_iter().map(|u| u.min(100.0 - u)).fold(f64::INFINITY, f64::min)
             });
             let margin = margin.fold(f64::INFINITY, f64::min);

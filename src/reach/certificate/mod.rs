@@ -9,6 +9,7 @@ pub mod margins;
 pub mod motion;
 pub mod redundant;
 pub mod search;
+pub mod section;
 pub mod statics;
 pub mod taylor;
 
