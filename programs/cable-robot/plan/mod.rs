@@ -29,6 +29,9 @@ pub struct Plan {
     /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
     #[arg(long, value_parser = planner())]
     planner: Option<PlannerKind>,
+    /// By how much the platform may rise above the straight way to be quicker, m (planner minimum-time)
+    #[arg(long, default_value_t = 0.0)]
+    lift: f64,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -36,7 +39,9 @@ pub struct Plan {
 
 impl Plan {
     pub fn run(&self) -> Result<Outcome> {
-        let (_, parameters) = self.rig.read_with_controller(self.planner)?;
+        let (_, mut parameters) = self.rig.read_with_controller(self.planner)?;
+        parameters.lift = self.lift;
+        parameters.validate()?;
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;
         let planned = Sequence::new(&parameters, &self.from, &self.to)?;

@@ -16,7 +16,7 @@ use crate::robot::pose::PITCH;
 use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
 /// Intervals of the grid.
-const INTERVALS: usize = MOST_ARCS;
+pub const INTERVALS: usize = MOST_ARCS;
 /// By how much the limits are narrowed on the grid at first, as a share of the weight: of more than six cables by more, whose tensions have to be shown. How many
 /// times as much where that was not enough.
 const NARROWED: [f64; 2] = [1e-4, 1e-3];
@@ -30,12 +30,18 @@ const MOST_SPANS: usize = 2000;
 pub struct Work {
     timings: usize,
     spans: usize,
+    has_bent: bool,
 }
 
 impl Work {
     /// Of one decision.
     pub fn of_a_decision() -> Self {
-        Self { timings: MOST_TIMINGS, spans: MOST_SPANS }
+        Self { timings: MOST_TIMINGS, spans: MOST_SPANS, has_bent: false }
+    }
+
+    /// Whether a bend may be looked for: once.
+    pub fn may_bend(&mut self) -> bool {
+        !std::mem::replace(&mut self.has_bent, true)
     }
 }
 
@@ -54,6 +60,13 @@ pub struct Path {
 type Narrowed = [f64; INTERVALS + 1];
 
 impl Path {
+    /// How long it takes, s, before anything is proved.
+    pub fn quickest(&self, rig: &Rig) -> Option<f64> {
+        let is_sensible = (0..=INTERVALS).all(|k| rig.can_be_at(&self.pose(place(k))));
+        let timing = is_sensible.then(|| self.fastest(rig, &[narrowed_at_first(rig); INTERVALS + 1]));
+        Some(timing??.duration)
+    }
+
     /// The fastest motion from rest to rest, and what was seen of its tensions. `None` where none is found and proved with the `work` that is left, and where the
     /// platform cannot rest somewhere on the way.
     pub fn timed(&self, rig: &Rig, work: &mut Work) -> Option<(Timing, Seen)> {
@@ -193,7 +206,7 @@ fn narrowed_at_first(rig: &Rig) -> f64 {
 const STILL: f64 = 1e-9;
 
 /// Of the grid.
-fn place(k: usize) -> f64 {
+pub fn place(k: usize) -> f64 {
     k as f64 / INTERVALS as f64
 }
 
@@ -246,8 +259,12 @@ mod tests {
                 poses.take(1000).find(|pose| static_margin(rig, pose) > 0.01 * rig.weight()).unwrap()
             };
             let (mut planned, mut stopped) = (0, 0);
-            for _ in 0..runs {
-                let path = path(rig, end(), &end());
+            for run in 0..runs {
+                let mut path = path(rig, end(), &end());
+                if run % 2 == 1 {
+                    let bump = Coordinates::from_fn(|k, _| if k == 2 { -0.03 * rig.radius() } else { 0.02 });
+                    path.way = Track::bent(&path.pose(0.0), &path.pose(1.0), &bump);
+                }
                 let Some((timing, _)) = path.timed(rig, &mut Work::of_a_decision()) else { continue };
                 planned += 1;
                 let check = |timing: &Timing| {

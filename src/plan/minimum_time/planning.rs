@@ -24,6 +24,9 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// the cables pull more.
 const BETWEEN: f64 = 2.0;
 
+/// Heights of a bent way that are looked at.
+const HEIGHTS: i32 = 9;
+
 /// Of the pose and the rates, from a reference.
 type Error = (Coordinates, Coordinates);
 
@@ -82,24 +85,49 @@ impl Planner {
         })
     }
 
-    /// The fastest motion between two poses at rest that leaves what is needed to the limits.
+    /// The fastest motion between two poses at rest that leaves what is needed to the limits: straight, or bent upwards where that is quicker.
     fn leg(
         &self,
         now: &Situation,
         error: &Error,
-        (from, to): (&Pose, &Pose),
+        ends: (&Pose, &Pose),
         begin: f64,
         work: &mut Work,
     ) -> Option<Leg> {
-        let of_error = self.cost_of_error(from, error)?.max(self.cost_of_error(to, error)?);
-        let unknown = self.unknown_on_the_way(from, to);
-        let at_rest = self.greatest_at_rest(from)?.min(self.greatest_at_rest(to)?);
+        let places = [*ends.0, *ends.1];
+        let straight = self.path(Track::straight(ends.0, ends.1));
+        let bent = self.bent(ends, work);
+        // With work of its own, so that what is not proved leaves enough for straight on.
+        let mut own = Work::of_a_decision();
+        let bent = bent.and_then(|path| self.leg_along(now, error, &places, &path, begin, &mut own));
+        bent.or_else(|| self.leg_along(now, error, &places, &straight, begin, work))
+    }
+
+    /// The fastest motion along a path by way of these places that leaves what is needed to the limits.
+    fn leg_along(
+        &self,
+        now: &Situation,
+        error: &Error,
+        places: &[Pose],
+        path: &Path,
+        begin: f64,
+        work: &mut Work,
+    ) -> Option<Leg> {
+        let last = places.last()?;
+        let (mut of_error, mut at_rest) = (0.0f64, f64::INFINITY);
+        for place in places {
+            of_error = of_error.max(self.cost_of_error(place, error)?);
+            at_rest = at_rest.min(self.greatest_at_rest(place)?);
+        }
+        let unknown = places.windows(2).map(|ends| self.unknown_on_the_way(&ends[0], &ends[1]));
+        let unknown = unknown.fold(0.0, f64::max);
         // Where less is left at rest, no more is asked for.
-        let most = (LEFT * self.known_margin_at(from)).max(0.0);
+        let most = (LEFT * self.known_margin_at(&places[0])).max(0.0);
         let mut spare = self.allowance().max(BETWEEN * of_error);
         for _ in 0..PLANS {
             let kept = (unknown + spare).min(most);
-            let Timed { way, timing, held, greatest } = self.timed((from, to), kept, now.hold, work)?;
+            let Timed { way, timing, held, greatest } =
+                self.timed((&places[0], last), path, kept, now.hold, work)?;
             // A shift costs the more the more the cables pull.
             let needed = of_error * BETWEEN.max(greatest / at_rest) + held;
             if needed <= (kept - unknown).max(0.0) {
@@ -111,10 +139,22 @@ impl Planner {
     }
 
     /// The fastest motion that keeps `spare` (N) from the limits, with commands that are held for `hold` (s): in closed form where that knows the way, else on a grid.
-    fn timed(&self, ends: (&Pose, &Pose), spare: f64, hold: f64, work: &mut Work) -> Option<Timed> {
-        let shape = self.shape.filter(|shape| is_level(shape, ends.0) && is_level(shape, ends.1));
+    fn timed(
+        &self,
+        ends: (&Pose, &Pose),
+        path: &Path,
+        spare: f64,
+        hold: f64,
+        work: &mut Work,
+    ) -> Option<Timed> {
+        let is_line =
+            |shape: &Shape| path.way.is_straight() && is_level(shape, ends.0) && is_level(shape, ends.1);
+        let shape = self.shape.filter(is_line);
         let in_closed_form = shape.and_then(|shape| self.along_a_line(&shape, ends, spare, hold));
-        in_closed_form.or_else(|| self.along_a_path(ends, spare, hold, work))
+        in_closed_form.or_else(|| {
+            let path = Path { limits: self.limits(spare), ..path.clone() };
+            self.along_a_path(path, hold, work)
+        })
     }
 
     /// Of the paper's robot without a turn. What is estimated to disturb is not in the closed form: more is left to the limits.
@@ -137,19 +177,33 @@ impl Planner {
         Some(Timed { way: course::Way::Line(line, section), timing, held, greatest })
     }
 
-    /// Of any rig.
-    fn along_a_path(
-        &self,
-        (from, to): (&Pose, &Pose),
-        spare: f64,
-        hold: f64,
-        work: &mut Work,
-    ) -> Option<Timed> {
-        let way = to.minus(from);
-        let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
+    /// A way of any rig, with the least that is left to the limits.
+    fn path(&self, way: Track) -> Path {
+        let [linear, angular] = way.steepest();
         let fastest = self.greatest_speed(linear, angular);
-        let path =
-            Path { way: Track::straight(from, to), limits: self.limits(spare), fastest: fastest * fastest };
+        Path { way, limits: self.limits(self.allowance()), fastest: fastest * fastest }
+    }
+
+    /// The way bent upwards by as much of `lift` half-way as makes it quickest, before anything is proved; `None` where straight on is quickest, and where that was
+    /// looked for already.
+    fn bent(&self, (from, to): (&Pose, &Pose), work: &mut Work) -> Option<Path> {
+        let lift = self.parameters.lift;
+        if lift == 0.0 || !work.may_bend() {
+            return None;
+        }
+        let up = self.rig().gravity.try_normalize(0.0)? * -lift;
+        let by = |k: i32| {
+            let mut bump = Coordinates::zeros();
+            bump.fixed_rows_mut::<3>(0).copy_from(&(up * (f64::from(k) / f64::from(HEIGHTS - 1))));
+            let path = self.path(Track::bent(from, to, &bump));
+            Some((k, path.quickest(self.rig())?, path))
+        };
+        let found = (0..HEIGHTS).filter_map(by).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (found.0 > 0).then_some(found.2)
+    }
+
+    /// Along a way of any rig.
+    fn along_a_path(&self, path: Path, hold: f64, work: &mut Work) -> Option<Timed> {
         let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
         Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest() })

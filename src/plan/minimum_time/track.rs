@@ -31,6 +31,12 @@ impl Track {
         Self { sections: [section].into_iter().collect() }
     }
 
+    /// Whether it has no bend.
+    pub fn is_straight(&self) -> bool {
+        let [.., c, d] = self.sections[0].coefficients;
+        self.sections.len() == 1 && c == Coordinates::zeros() && d == Coordinates::zeros()
+    }
+
     /// The section that leads on from s.
     pub fn section(&self, s: f64) -> &Section {
         let before = self.sections.iter().rposition(|section| section.begin <= s);
@@ -42,6 +48,20 @@ impl Track {
         let last = self.sections.iter().rposition(|section| section.begin <= s).unwrap_or(0);
         let first = if last > 0 && self.sections[last].begin == s { last - 1 } else { last };
         self.sections[first..=last].iter()
+    }
+
+    /// Bounds of the speed (m) and of the sum of the angles' speeds (rad) where s' = 1.
+    pub fn steepest(&self) -> [f64; 2] {
+        let mut steepest = [0.0f64; 2];
+        for (k, section) in self.sections.iter().enumerate() {
+            let end = self.sections.get(k + 1).map_or(1.0, |next| next.begin);
+            for slope in section.slopes(end) {
+                let linear = slope.fixed_rows::<3>(0).norm();
+                let angular = slope.fixed_rows::<3>(3).abs().sum();
+                steepest = [steepest[0].max(linear), steepest[1].max(angular)];
+            }
+        }
+        steepest
     }
 
     /// Where it is at s.

@@ -38,6 +38,12 @@ impl Section {
         c * 2.0 + d * (6.0 * s)
     }
 
+    /// Slopes in whose convex hull those up to `end` are: of Bézier's polygon.
+    pub fn slopes(&self, end: f64) -> [Coordinates; 3] {
+        let ([_, b, c, d], length) = (self.coefficients, end - self.begin);
+        [b, b + c * length, b + (c * 2.0 + d * (3.0 * length)) * length]
+    }
+
     /// The coordinates, their rates and their accelerations where s, s' and s'' are these.
     pub(super) fn led(&self, s: Taylor, rate: Taylor, acceleration: Taylor) -> [[Taylor; 3]; 6] {
         let from = s - Taylor::constant(self.begin);

@@ -191,6 +191,16 @@ pub const MAX_CABLE_SPEED: Row = Row {
         "Greatest speed of a cable, 0 for no limit: the planner Exact heeds it",
     )
 };
+pub const LIFT: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        32,
+        "lift",
+        &METRE,
+        &[0.0],
+        "By how much the platform may rise above the straight way to be quicker, 0 for not at all: the planner MinimumTime alone heeds it",
+    )
+};
 pub const LARGEST_STEP: Row = Row {
     min: Some(0.0),
     ..parameter(
