@@ -27,6 +27,15 @@ impl Way {
         }
     }
 
+    /// Where sections join.
+    fn joints(&self) -> impl Iterator<Item = f64> {
+        let sections = match self {
+            Self::Line(..) => &[],
+            Self::Path(path) => path.way.sections(),
+        };
+        sections.iter().skip(1).map(|section| section.begin)
+    }
+
     /// The section that leads on from s.
     fn section(&self, s: f64) -> &Section {
         match self {
@@ -101,7 +110,7 @@ pub struct Course {
 }
 
 impl Course {
-    pub(super) fn new(first: Leg, second: Option<Leg>, goal: &Pose) -> Self {
+    pub(in crate::plan) fn new(first: Leg, second: Option<Leg>, goal: &Pose) -> Self {
         Self { first, second, goal: *goal }
     }
 
@@ -119,6 +128,15 @@ impl Course {
     pub fn held(&self) -> f64 {
         let second = self.second.as_ref().map_or(0.0, |second| second.held);
         self.first.held.max(second)
+    }
+
+    /// When it passes the way points of its last leg, s.
+    pub fn passes(&self) -> impl Iterator<Item = f64> {
+        let leg = self.second.as_ref().unwrap_or(&self.first);
+        leg.way.joints().filter_map(|joint| {
+            let arc = leg.timing.arcs().iter().find(|arc| arc.s == joint)?;
+            Some(leg.begin + arc.begin)
+        })
     }
 
     /// Where it leads the robot at a time, s.

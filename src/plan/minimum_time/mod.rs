@@ -14,4 +14,4 @@ mod track;
 pub use arc::{Along, Arc, Timing};
 pub use course::Course;
 pub use line::Line;
-pub use track::Track;
+pub use track::{MOST_SECTIONS, Track};

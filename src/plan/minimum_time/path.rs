@@ -48,7 +48,7 @@ impl Work {
 /// A way through the six coordinates, and what is to be kept on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// Sections join at places of the grid.
+    /// Where it leads.
     pub way: Track,
     /// Limits of the tensions, N.
     pub limits: PerCable<TensionLimits>,
@@ -130,8 +130,7 @@ impl Path {
     /// What is feasible at a place, with the limits narrowed.
     fn polygon(&self, rig: &Rig, s: f64, narrowed: f64) -> Polygon {
         let limits = self.limits.map(|limits| limits.shrunk(narrowed));
-        let on = self.way.touching(s).map(|section| feasible(rig, &limits, section, s));
-        let mut polygon = on.reduce(|one, other| one.within(&other)).unwrap_or_else(Polygon::none);
+        let mut polygon = feasible(rig, &limits, self.way.section(s), s);
         if self.fastest.is_finite() {
             polygon.clip(&Condition { a: 0.0, x: 1.0, bound: self.fastest });
         }

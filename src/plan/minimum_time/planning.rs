@@ -1,11 +1,13 @@
 //! `MinimumTime`: courses, and what they leave to the limits for what is not in the way itself. Derived in docs/minimum-time.md.
 
+use arrayvec::ArrayVec;
+
 use super::arc::Timing;
 use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
 use super::path::{Path, Work};
-use super::track::Track;
+use super::track::{MOST_SECTIONS, Track};
 use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
@@ -28,7 +30,7 @@ const BETWEEN: f64 = 2.0;
 const HEIGHTS: i32 = 9;
 
 /// Of the pose and the rates, from a reference.
-type Error = (Coordinates, Coordinates);
+pub(in crate::plan) type Error = (Coordinates, Coordinates);
 
 /// A motion along a way, what holding the commands costs on it, and the greatest tension, N.
 struct Timed {
@@ -39,16 +41,17 @@ struct Timed {
 }
 
 impl Planner {
-    /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
+    /// The course by way of `via` to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
     /// ends. `None` where nothing is, and while the robot is too far from the reference.
     pub(in crate::plan) fn course(
         &self,
         now: &Situation,
         under_way: Option<&Course>,
         begin: f64,
-        goal: &Pose,
+        (via, goal): (&[Pose], &Pose),
     ) -> Option<(Course, Pose)> {
-        if !self.is_worth_it(now.set_point, goal) || now.hold > self.parameters.longest_hold() {
+        let is_worth_it = !via.is_empty() || self.is_worth_it(now.set_point, goal);
+        if !is_worth_it || now.hold > self.parameters.longest_hold() {
             return None;
         }
         if let Some(course) = under_way.filter(|course| begin < course.end()) {
@@ -59,23 +62,27 @@ impl Planner {
             let reference = course.at(begin);
             let error = (now.pose.minus(&reference.pose), now.rates - reference.rates);
             let from = stop.end_pose();
-            let (leg, to) = self.as_far_as(now, &error, (&from, goal), stop.end())?;
+            let (leg, to) = self.as_far_as(now, &error, (&from, via, goal), stop.end())?;
             return Some((Course::new(stop, Some(leg), goal), to));
         }
         // A robot that is not at rest there yet is in error: as much as the leg can bear.
         let error = (now.pose.minus(now.set_point), *now.rates);
-        let (leg, to) = self.as_far_as(now, &error, (now.set_point, goal), begin)?;
+        let (leg, to) = self.as_far_as(now, &error, (now.set_point, via, goal), begin)?;
         Some((Course::new(leg, None, goal), to))
     }
 
-    /// The leg to `goal`, or a part of it.
+    /// The leg by way of `via` to `goal`, or to the first of these, or a part of that.
     fn as_far_as(
         &self,
         now: &Situation,
         error: &Error,
-        (from, goal): (&Pose, &Pose),
+        (from, via, goal): (&Pose, &[Pose], &Pose),
         begin: f64,
     ) -> Option<(Leg, Pose)> {
+        if let [first, ..] = via {
+            let through = self.leg_through(now, error, (from, via, goal), begin).map(|leg| (leg, *goal));
+            return through.or_else(|| self.as_far_as(now, error, (from, &[], first), begin));
+        }
         let mut work = Work::of_a_decision();
         PARTS.into_iter().find_map(|part| {
             let to = Way { from, goal }.at(1.0 - part);
@@ -101,6 +108,23 @@ impl Planner {
         let mut own = Work::of_a_decision();
         let bent = bent.and_then(|path| self.leg_along(now, error, &places, &path, begin, &mut own));
         bent.or_else(|| self.leg_along(now, error, &places, &straight, begin, work))
+    }
+
+    /// The fastest motion by way of poses, on the smooth way through them.
+    pub(in crate::plan) fn leg_through(
+        &self,
+        now: &Situation,
+        error: &Error,
+        (from, via, to): (&Pose, &[Pose], &Pose),
+        begin: f64,
+    ) -> Option<Leg> {
+        if via.len() >= MOST_SECTIONS {
+            return None;
+        }
+        let places = std::iter::once(from).chain(via).chain([to]).copied();
+        let places: ArrayVec<Pose, { MOST_SECTIONS + 1 }> = places.collect();
+        let way = Track::through(&places, self.rig().platform_radius())?;
+        self.leg_along(now, error, &places, &self.path(way), begin, &mut Work::of_a_decision())
     }
 
     /// The fastest motion along a path by way of these places that leaves what is needed to the limits.

@@ -5,6 +5,9 @@ use arrayvec::ArrayVec;
 /// Corners kept: every condition that cuts adds one at most, and few of them do.
 const MOST_CORNERS: usize = 48;
 
+/// Two corners that differ by less than this, as a share of what they are, are one: the line through them says nothing.
+const ROUNDING: f64 = 1e-12;
+
 /// Corners in order round it; none where it is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
@@ -74,29 +77,20 @@ impl Polygon {
 
     /// Leaves what leads into `next` at a place `ds` farther on: with s'² = x + 2 s'' ds there.
     pub fn clip_to_reach(&mut self, next: &Self, ds: f64) {
-        for condition in next.conditions() {
-            self.clip(&Condition { a: condition.a + 2.0 * ds * condition.x, ..condition });
-        }
         if next.is_empty() {
             self.corners.clear();
         }
-    }
-
-    /// What is in both.
-    #[must_use]
-    pub fn within(mut self, other: &Self) -> Self {
-        self.clip_to_reach(other, 0.0);
-        self
-    }
-
-    /// Its edges: inside is on the left of each, (a1 - a0)(x - x0) - (x1 - x0)(a - a0) ≥ 0.
-    fn conditions(&self) -> impl Iterator<Item = Condition> {
-        self.corners.iter().enumerate().filter_map(|(k, [a0, x0])| {
-            let [a1, x1] = self.corners[(k + 1) % self.corners.len()];
+        for (k, [a0, x0]) in next.corners.iter().enumerate() {
+            let [a1, x1] = next.corners[(k + 1) % next.corners.len()];
+            // Inside is on the left of each edge: (a1 - a0)(x - x0) - (x1 - x0)(a - a0) ≥ 0.
             let (across, along) = (x1 - x0, a1 - a0);
-            let is_edge = across != 0.0 || along != 0.0;
-            is_edge.then_some(Condition { a: across, x: -along, bound: across * a0 - along * x0 })
-        })
+            let at_next = Condition { a: across, x: -along, bound: across * a0 - along * x0 };
+            let is_rounding = |length: f64, a: f64, b: f64| length.abs() <= ROUNDING * a.abs().max(b.abs());
+            if is_rounding(along, *a0, a1) && is_rounding(across, *x0, x1) {
+                continue;
+            }
+            self.clip(&Condition { a: at_next.a + 2.0 * ds * at_next.x, ..at_next });
+        }
     }
 
     /// The greatest s'² in it.
@@ -153,6 +147,20 @@ mod tests {
             }
         }
         assert!(kept > 500, "{kept}");
+    }
+
+    /// An edge as short as rounding pointed anywhere, and left nothing of what led there: ways of eight cables along an axis had no motion.
+    #[test]
+    fn corners_that_are_one_but_for_rounding_cut_nothing() {
+        let corner: f64 = -37.807_663_675_714_63;
+        let next = Polygon {
+            corners: [[-41.8, 0.0], [32.5, 0.0], [32.5, 0.0], [corner, 131.917], [corner.next_up(), 131.917]]
+                .into_iter()
+                .collect(),
+        };
+        let mut here = Polygon::rectangle(30.0, 120.0);
+        here.clip_to_reach(&next, 0.015);
+        assert!(here.has_rest() && here.highest().unwrap() > 100.0);
     }
 
     #[test]
