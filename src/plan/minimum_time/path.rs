@@ -11,7 +11,7 @@ use super::conditions::feasible;
 use super::polygon::{Condition, Polygon};
 use super::track::Track;
 use crate::plan::planner::STEEPEST;
-use crate::reach::certificate::along::{Piece, Seen};
+use crate::reach::certificate::along::{Part, Piece, Seen};
 use crate::robot::pose::PITCH;
 use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
@@ -189,7 +189,7 @@ impl Path {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
             let section = *self.way.section(arc.s);
-            let piece = Piece { section, s: arc.s, v: arc.v, a: arc.a, duration };
+            let piece = Piece::new(Part { section, s: arc.s, v: arc.v, a: arc.a }, duration);
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed

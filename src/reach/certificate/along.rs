@@ -1,19 +1,23 @@
 //! The proof along a way through the six coordinates, in pieces of constant acceleration along it.
 
+use arrayvec::ArrayVec;
+
 use super::motion::{Motion, Span};
 use super::search::{Finding, judge};
 use super::section::Section;
 use super::statics::cables;
 use super::taylor::Taylor;
 use super::{Range, redundant};
-use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
+use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
+/// Motions that are summed.
+pub const MOST_PARTS: usize = 4;
 /// Halvings of a piece before it counts as not proved.
 const MOST_HALVINGS: i32 = 10;
 
-/// q = `section`(s) with s(t) = `s` + `v` t + `a` t²/2, for `duration` seconds.
+/// q = `section`(s) with s(t) = `s` + `v` t + `a` t²/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct Part {
     /// Of the way.
     pub section: Section,
     /// At its beginning.
@@ -22,8 +26,16 @@ pub struct Piece {
     pub v: f64,
     /// 1/s².
     pub a: f64,
+}
+
+/// A part, or the sum of some, for `duration` seconds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    parts: ArrayVec<Part, MOST_PARTS>,
+    /// Added to their sum, m and rad.
+    offset: Coordinates,
     /// s.
-    pub duration: f64,
+    duration: f64,
 }
 
 /// What was seen of the tensions on proved pieces.
@@ -68,6 +80,18 @@ impl Seen {
 }
 
 impl Piece {
+    /// One part alone.
+    pub fn new(part: Part, duration: f64) -> Self {
+        Self { parts: [part].into_iter().collect(), offset: Coordinates::zeros(), duration }
+    }
+
+    /// With another part, counted from `rest`. `None` with more than [`MOST_PARTS`].
+    pub fn and(mut self, part: Part, rest: &Pose) -> Option<Self> {
+        self.parts.try_push(part).ok()?;
+        self.offset -= rest.0;
+        Some(self)
+    }
+
     /// Whether every tension of the piece is proved to be strictly within `limits`; of more than six cables, whether it can be. Looks at no more than `spans`
     /// spans of time, and takes those from it. The tensions shown are added to `seen`.
     pub fn is_proved(
@@ -124,16 +148,31 @@ impl Piece {
 
     /// Within `half` s of an instant.
     fn motion(&self, middle: f64, half: f64) -> Motion {
-        let Self { section, s, v, a, .. } = self;
+        let nothing = [Taylor::ZERO; 6];
+        let coordinates = std::array::from_fn(|k| Taylor::constant(self.offset[k]));
+        let mut sum = Motion { coordinates, rates: nothing, accelerations: nothing };
+        for part in &self.parts {
+            let led = part.led(middle, half);
+            for (k, [coordinate, rate, acceleration]) in led.into_iter().enumerate() {
+                sum.coordinates[k] = sum.coordinates[k] + coordinate;
+                sum.rates[k] = sum.rates[k] + rate;
+                sum.accelerations[k] = sum.accelerations[k] + acceleration;
+            }
+        }
+        sum
+    }
+}
+
+impl Part {
+    fn led(&self, middle: f64, half: f64) -> [[Taylor; 3]; 6] {
+        let Self { section, s, v, a } = self;
         let (at, speed) = (s + v * middle + 0.5 * a * middle * middle, v + a * middle);
         let rounding = 8.0 * f64::EPSILON * (s.abs() + (v * middle).abs() + (a * middle * middle).abs());
         let mut place = Taylor::ball(at, rounding);
         (place.coefficients[1], place.coefficients[2]) = (speed * half, 0.5 * a * half * half);
         let mut rate = Taylor::ball(speed, 8.0 * f64::EPSILON * (v.abs() + (a * middle).abs()));
         rate.coefficients[1] = a * half;
-        let led = section.led(place, rate, Taylor::constant(*a));
-        let [coordinates, rates, accelerations] = [0, 1, 2].map(|order| led.map(|of| of[order]));
-        Motion { coordinates, rates, accelerations }
+        section.led(place, rate, Taylor::constant(*a))
     }
 }
 
@@ -141,7 +180,7 @@ impl Piece {
 mod tests {
     use super::*;
     use crate::control::tensions;
-    use crate::robot::{Coordinates, Pose, RigFile};
+    use crate::robot::RigFile;
     use rand::{RngExt, SeedableRng};
 
     /// Random pieces: what is proved is so in dense samples, and nearly all that is so is proved.
@@ -159,16 +198,24 @@ mod tests {
             if run % 2 == 1 {
                 section = Section { begin: 0.1, coefficients: [from.0, way(), way(), way()] };
             }
-            let piece =
-                Piece { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), duration: 0.06 + any(0.05) };
+            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0) };
+            let (first, second, duration) = (part(), part(), 0.06 + any(0.05));
+            let mut piece = Piece::new(first, duration);
+            if run % 4 >= 2 {
+                piece = piece.and(second, &section.pose(second.s)).unwrap();
+            }
             let mut seen = Seen::none(&rig);
             let found = piece.is_proved(&rig, &rig.limits(), &mut 100, &mut seen);
             let margin = (0..=200).map(|k| {
                 let t = piece.duration * f64::from(k) / 200.0;
-                let (s, v) = (piece.s + piece.v * t + 0.5 * piece.a * t * t, piece.v + piece.a * t);
-                let (slope, bend) = (section.slope(s), section.bend(s));
-                let accelerations = slope * piece.a + bend * (v * v);
-                let tension = tensions(&rig, &section.pose(s), &(slope * v), &accelerations, 0.0).unwrap();
+                let mut sum = [piece.offset, Coordinates::zeros(), Coordinates::zeros()];
+                for Part { section, s, v, a } in &piece.parts {
+                    let (s, v) = (s + v * t + 0.5 * a * t * t, v + a * t);
+                    let (slope, bend) = (section.slope(s), section.bend(s));
+                    let led = [section.pose(s).0, slope * v, slope * *a + bend * (v * v)];
+                    sum = std::array::from_fn(|order| sum[order] + led[order]);
+                }
+                let tension = tensions(&rig, &Pose(sum[0]), &sum[1], &sum[2], 0.0).unwrap();
                 tension.into_iter().map(|u| u.min(100.0 - u)).fold(f64::INFINITY, f64::min)
             });
             let margin = margin.fold(f64::INFINITY, f64::min);
