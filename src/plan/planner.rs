@@ -145,7 +145,15 @@ impl Planner {
         let [from, via @ .., goal] = poses else { return None };
         let still = (Coordinates::zeros(), Coordinates::zeros());
         let leg = self.leg_through(&self.at_rest(from, &still.1), &still, (from, via, goal), 0.0)?;
-        Some(Course::new(leg, None, goal))
+        Some(Course::new(leg, goal))
+    }
+
+    /// The course to `goal` that begins at `begin` (s) on the way along another.
+    #[cfg(test)]
+    pub(super) fn course_from(&self, course: &Course, begin: f64, goal: &Pose) -> Option<Course> {
+        let led = course.at(begin);
+        let now = self.at_rest(&led.pose, &led.rates);
+        Some(self.course(&now, Some(course), begin, (&[], goal))?.0)
     }
 
     fn at_rest<'a>(&self, pose: &'a Pose, rates: &'a Coordinates) -> Situation<'a> {

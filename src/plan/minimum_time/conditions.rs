@@ -9,12 +9,12 @@
 //!
 //! Of six cables these are the limits of one tension each.
 
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 
 use super::polygon::{Condition, Polygon};
 use crate::reach::certificate::section::Section;
 use crate::robot::dynamics::{required_wrench, wrench_of};
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Rig, TensionLimits};
+use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
 /// What six coordinates have one of more of.
 const FIVE: usize = 5;
@@ -30,16 +30,71 @@ pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, section: &Section, 
     let at_rest = required_wrench(rig, pose, &none, &none);
     let of_a = wrench_of(rig, pose, slope);
     let of_x = required_wrench(rig, pose, slope, &section.bend(s)) - at_rest;
+    let most = most(rig, limits, slope);
+    // Where the way does not lead on, nothing says how fast.
+    if limits.len() != rig.cables.len() || !most.is_finite() {
+        return Polygon::none();
+    }
+    let mut polygon = Polygon::rectangle(most, most);
+    let wrenches = [at_rest, of_a, of_x];
+    each_plane(rig, limits, pose, wrenches, |[rest, a, x], [least, greatest]| {
+        if greatest.is_finite() {
+            polygon.clip(&Condition { a, x, bound: greatest - rest });
+        }
+        if least.is_finite() {
+            polygon.clip(&Condition { a: -a, x: -x, bound: rest - least });
+        }
+        !polygon.is_empty()
+    });
+    polygon
+}
+
+/// The least and the greatest factor f for which there are tensions within `limits` that give the wrench `rest` + f `way`, (N, N m); `None` where there is none.
+pub fn between(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    pose: &Pose,
+    rest: Vector6<f64>,
+    way: Vector6<f64>,
+) -> Option<[f64; 2]> {
+    let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+    each_plane(rig, limits, pose, [rest, way], |[rest, way], [least, greatest]| {
+        let ends = [least - rest, greatest - rest];
+        if way == 0.0 {
+            let is_kept = ends[0] <= 0.0 && ends[1] >= 0.0;
+            range = if is_kept { range } else { [f64::INFINITY, f64::NEG_INFINITY] };
+        } else {
+            let [a, b] = ends.map(|end| end / way);
+            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+        }
+        range[0] <= range[1]
+    });
+    (range[0] <= range[1] && range[0].is_finite() && range[1].is_finite()).then_some(range)
+}
+
+/// Hands over, for each plane, the shares of the wrenches across it, and the least and the greatest that tensions within their limits give; until it is told to stop.
+fn each_plane<const N: usize>(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    pose: &Pose,
+    wrenches: [Vector6<f64>; N],
+    mut take: impl FnMut([f64; N], [f64; 2]) -> bool,
+) {
     let radius = rig.platform_radius();
     // Torques count as forces at the platform's radius, so that lengths mean something.
     let scaled = |w: &Vector6<f64>| Vector6::from_fn(|k, _| if k < 3 { w[k] } else { w[k] / radius });
     let columns = rig.cables_at(pose).wrench_matrix().map(|column| scaled(&column));
-    let [at_rest, of_a, of_x] = [at_rest, of_a, of_x].map(|w| scaled(&w));
-    let most = most(rig, limits, slope);
-    let mut polygon = Polygon::rectangle(most, most);
-    // Where the way does not lead on, nothing says how fast.
-    if columns.len() < LEAST_CABLES || limits.len() != columns.len() || !most.is_finite() {
-        return Polygon::none();
+    let wrenches = wrenches.map(|w| scaled(&w));
+    if columns.len() < LEAST_CABLES {
+        return;
+    }
+    if columns.len() == LEAST_CABLES {
+        // The tensions themselves, u = W⁻¹ w, each within its limits.
+        let matrix = Matrix6::from_columns(&std::array::from_fn::<_, LEAST_CABLES, _>(|i| columns[i]));
+        let Some(inverse) = matrix.try_inverse() else { return };
+        let shares = wrenches.map(|w| inverse * w);
+        (0..LEAST_CABLES).all(|i| take(shares.map(|share| share[i]), [limits[i].min, limits[i].max]));
+        return;
     }
     let mut chosen = [0, 1, 2, 3, 4];
     loop {
@@ -54,16 +109,12 @@ pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, section: &Section, 
                     greatest += ends[0].max(ends[1]);
                 }
             }
-            let [rest, a, x] = [at_rest, of_a, of_x].map(|w| normal.dot(&w));
-            if greatest.is_finite() {
-                polygon.clip(&Condition { a, x, bound: greatest - rest });
-            }
-            if least.is_finite() {
-                polygon.clip(&Condition { a: -a, x: -x, bound: rest - least });
+            if !take(wrenches.map(|w| normal.dot(&w)), [least, greatest]) {
+                return;
             }
         }
-        if polygon.is_empty() || !next(&mut chosen, columns.len()) {
-            return polygon;
+        if !next(&mut chosen, columns.len()) {
+            return;
         }
     }
 }
@@ -118,7 +169,7 @@ fn across(columns: &PerCable<Vector6<f64>>, chosen: &[usize; FIVE]) -> Option<Ve
 mod tests {
     use super::*;
     use crate::control::distribution::widest_margin;
-    use crate::robot::{Pose, RigFile};
+    use crate::robot::RigFile;
     use rand::{RngExt, SeedableRng};
 
     /// The tension distribution, which is another method, finds tensions where this says that there are some, and nowhere else.

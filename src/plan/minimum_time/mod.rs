@@ -9,6 +9,7 @@ pub mod line;
 pub mod path;
 mod planning;
 mod polygon;
+mod sum;
 mod track;
 
 pub use arc::{Along, Arc, Timing};

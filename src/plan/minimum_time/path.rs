@@ -11,7 +11,8 @@ use super::conditions::feasible;
 use super::polygon::{Condition, Polygon};
 use super::track::Track;
 use crate::plan::planner::STEEPEST;
-use crate::reach::certificate::along::{Part, Piece, Seen};
+use crate::reach::certificate::along::{Piece, Seen};
+use crate::reach::certificate::part::Part;
 use crate::robot::pose::PITCH;
 use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
@@ -29,7 +30,7 @@ const MOST_SPANS: usize = 2000;
 #[derive(Clone, Copy, Debug)]
 pub struct Work {
     timings: usize,
-    spans: usize,
+    pub(super) spans: usize,
     has_bent: bool,
 }
 
@@ -96,12 +97,17 @@ impl Path {
 
     /// The stop as soon as can be from the place `s` with the speed `v` (1/s) on; `None` where none is proved, as where the motion brakes as hard as it can already.
     pub fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
+        self.stop_in_steps(rig, [s, v], 1)
+    }
+
+    /// The same in steps of so many places of the grid; on a way of one section.
+    pub fn stop_in_steps(&self, rig: &Rig, [s, v]: [f64; 2], step: usize) -> Option<Timing> {
         let narrowed = narrowed_at_first(rig);
         let mut timing = Timing::begun_at(s);
         let s = s.max(0.0);
         let (mut here, mut x) = (self.polygon(rig, s, narrowed), v * v);
         let first = (0..=INTERVALS).find(|k| place(*k) > s)?;
-        for k in first..=INTERVALS {
+        for k in (first..=INTERVALS).filter(|k| k % step == 0) {
             let ds = place(k) - timing.end;
             // Before the next place, where it can.
             let [least, _] = here.between(x.min(here.highest()?))?;
@@ -189,7 +195,7 @@ impl Path {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
             let section = *self.way.section(arc.s);
-            let piece = Piece::new(Part { section, s: arc.s, v: arc.v, a: arc.a }, duration);
+            let piece = Piece::new(Part { section, s: arc.s, v: arc.v, a: arc.a, beta: arc.beta }, duration);
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed
@@ -197,7 +203,7 @@ impl Path {
 }
 
 /// N.
-fn narrowed_at_first(rig: &Rig) -> f64 {
+pub fn narrowed_at_first(rig: &Rig) -> f64 {
     NARROWED[usize::from(rig.cables.len() > LEAST_CABLES)] * rig.weight()
 }
 

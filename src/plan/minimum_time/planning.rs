@@ -6,14 +6,15 @@ use super::arc::Timing;
 use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
-use super::path::{Path, Work};
+use super::path::{Path, Work, narrowed_at_first};
+use super::sum::Sum;
 use super::track::{MOST_SECTIONS, Track};
 use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
 use crate::reach::certificate::section::Section;
-use crate::robot::{Coordinates, Pose, Shape};
+use crate::robot::{Coordinates, LEAST_CABLES, Pose, Shape};
 
 /// What counts as level, rad: rounding of rigs that stand turned.
 const LEVEL: f64 = 1e-9;
@@ -38,6 +39,36 @@ struct Timed {
     timing: Timing,
     held: f64,
     greatest: f64,
+    /// What else is left to the limits, N.
+    disturbed: f64,
+}
+
+/// What a motion must leave to the limits, N.
+struct Margins {
+    /// What the error at the beginning costs, about rest.
+    of_error: f64,
+    /// What is not known.
+    unknown: f64,
+    /// The greatest tension at rest,
+    at_rest: f64,
+    /// and what is left there.
+    most: f64,
+}
+
+impl Margins {
+    /// What is left with so much to spare.
+    fn kept(&self, spare: f64) -> f64 {
+        (self.unknown + spare).min(self.most)
+    }
+
+    /// What is needed to spare where holding costs `held` and cables pull `greatest`: a shift costs the more the more they pull.
+    fn needed(&self, held: f64, greatest: f64) -> f64 {
+        self.of_error * BETWEEN.max(greatest / self.at_rest) + held
+    }
+
+    fn are_kept(&self, kept: f64, held: f64, greatest: f64) -> bool {
+        self.needed(held, greatest) <= (kept - self.unknown).max(0.0)
+    }
 }
 
 impl Planner {
@@ -58,17 +89,71 @@ impl Planner {
             if course.is_for(goal) {
                 return None;
             }
-            let stop = course.stop(self.rig(), begin);
+            let stopped = course.stopped(self.rig(), begin);
             let reference = course.at(begin);
             let error = (now.pose.minus(&reference.pose), now.rates - reference.rates);
-            let from = stop.end_pose();
-            let (leg, to) = self.as_far_as(now, &error, (&from, via, goal), stop.end())?;
-            return Some((Course::new(stop, Some(leg), goal), to));
+            let from = stopped.end_pose();
+            let (leg, to) = self.as_far_as(now, &error, (&from, via, goal), stopped.end())?;
+            let is_direct = via.is_empty() && to == *goal;
+            let added = is_direct.then(|| self.added(now, &error, course, (begin, &leg), goal));
+            return match added.flatten() {
+                Some(added) => Some((added, to)),
+                None => Some((stopped.and(leg, goal)?, to)),
+            };
         }
         // A robot that is not at rest there yet is in error: as much as the leg can bear.
         let error = (now.pose.minus(now.set_point), *now.rates);
         let (leg, to) = self.as_far_as(now, &error, (now.set_point, via, goal), begin)?;
-        Some((Course::new(leg, None, goal), to))
+        Some((Course::new(leg, goal), to))
+    }
+
+    /// The course to `goal` that is added to the stop from `begin` (s) on, or to the course under way itself, whichever is sooner; `None` where neither is proved to be
+    /// there before the leg `after` a stop is.
+    fn added(
+        &self,
+        now: &Situation,
+        error: &Error,
+        course: &Course,
+        (begin, after): (f64, &Leg),
+        goal: &Pose,
+    ) -> Option<Course> {
+        // What the sum's speed is, nothing says; and with more cables it takes too long to find.
+        if self.greatest_speed(1.0, 1.0).is_finite() || self.rig().cables.len() > LEAST_CABLES {
+            return None;
+        }
+        let bases = [course.stopped_in_steps(self.rig(), begin), course.going_on(begin)];
+        let mut end = after.end();
+        let mut best = None;
+        for base in bases {
+            let found = self.added_to(base, now, error, (begin, end), goal);
+            end = found.as_ref().map_or(end, Course::end);
+            best = found.or(best);
+        }
+        best
+    }
+
+    /// The course to `goal` that is added to another from `begin` (s) on; `None` where none is proved to be there before `end` (s).
+    fn added_to(
+        &self,
+        base: Course,
+        now: &Situation,
+        error: &Error,
+        (begin, end): (f64, f64),
+        goal: &Pose,
+    ) -> Option<Course> {
+        let rest = base.end_pose();
+        if base.end() >= end || !self.is_worth_it(&rest, goal) {
+            return None;
+        }
+        let margins = self.margins(error, &[rest, *goal])?;
+        let kept = base.kept() - of_lines(&base) * narrowed_at_first(self.rig());
+        let way = Track::straight(&rest, goal);
+        let path = Path { way, limits: self.limits(kept), fastest: f64::INFINITY };
+        let mut sum = Sum::new(self.rig(), base.legs(), &path, end - begin);
+        let (timing, seen) = sum.fastest(begin, end, &mut Work::of_a_decision())?;
+        let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()]);
+        let leg = Leg { way: course::Way::Path(path), timing, begin, held, kept };
+        margins.are_kept(kept, held, seen.greatest()).then(|| base.and(leg, goal))?
     }
 
     /// The leg by way of `via` to `goal`, or to the first of these, or a part of that.
@@ -138,6 +223,22 @@ impl Planner {
         work: &mut Work,
     ) -> Option<Leg> {
         let last = places.last()?;
+        let margins = self.margins(error, places)?;
+        let mut spare = self.allowance().max(BETWEEN * margins.of_error);
+        for _ in 0..PLANS {
+            let kept = margins.kept(spare);
+            let Timed { way, timing, held, greatest, disturbed } =
+                self.timed((&places[0], last), path, kept, now.hold, work)?;
+            if margins.are_kept(kept, held, greatest) {
+                return Some(Leg { way, timing, begin, held, kept: kept + disturbed });
+            }
+            spare = MORE * margins.needed(held, greatest);
+        }
+        None
+    }
+
+    /// What is to be left to the limits on a way by these places.
+    fn margins(&self, error: &Error, places: &[Pose]) -> Option<Margins> {
         let (mut of_error, mut at_rest) = (0.0f64, f64::INFINITY);
         for place in places {
             of_error = of_error.max(self.cost_of_error(place, error)?);
@@ -146,20 +247,8 @@ impl Planner {
         let unknown = places.windows(2).map(|ends| self.unknown_on_the_way(&ends[0], &ends[1]));
         let unknown = unknown.fold(0.0, f64::max);
         // Where less is left at rest, no more is asked for.
-        let most = (LEFT * self.known_margin_at(&places[0])).max(0.0);
-        let mut spare = self.allowance().max(BETWEEN * of_error);
-        for _ in 0..PLANS {
-            let kept = (unknown + spare).min(most);
-            let Timed { way, timing, held, greatest } =
-                self.timed((&places[0], last), path, kept, now.hold, work)?;
-            // A shift costs the more the more the cables pull.
-            let needed = of_error * BETWEEN.max(greatest / at_rest) + held;
-            if needed <= (kept - unknown).max(0.0) {
-                return Some(Leg { way, timing, begin, held });
-            }
-            spare = MORE * needed;
-        }
-        None
+        let most = (LEFT * self.known_margin_at(places.first()?)).max(0.0);
+        Some(Margins { of_error, unknown, at_rest, most })
     }
 
     /// The fastest motion that keeps `spare` (N) from the limits, with commands that are held for `hold` (s): in closed form where that knows the way, else on a grid.
@@ -198,7 +287,7 @@ impl Planner {
         let [change, greatest] = line.extent(&timing);
         let held = self.cost_of(hold, [first, second, change]);
         let section = Section::straight(from, &(to.minus(from) / line.length()));
-        Some(Timed { way: course::Way::Line(line, section), timing, held, greatest })
+        Some(Timed { way: course::Way::Line(line, section), timing, held, greatest, disturbed })
     }
 
     /// A way of any rig, with the least that is left to the limits.
@@ -230,7 +319,7 @@ impl Planner {
     fn along_a_path(&self, path: Path, hold: f64, work: &mut Work) -> Option<Timed> {
         let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
-        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest() })
+        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest(), disturbed: 0.0 })
     }
 
     /// The greatest tension at rest, N.
@@ -283,6 +372,11 @@ impl Planner {
         }
         Some(Sensitivity::new(self.rig(), at)?.of_wrench(&disturbance))
     }
+}
+
+/// A line takes all that its limits leave; what is added needs a little of it. 1 where a leg is one, else 0.
+fn of_lines(course: &Course) -> f64 {
+    f64::from(course.legs().iter().any(|leg| matches!(leg.way, course::Way::Line(..))))
 }
 
 fn is_level(shape: &Shape, pose: &Pose) -> bool {

@@ -1,10 +1,10 @@
-//! The proof along a way through the six coordinates, in pieces of constant acceleration along it.
+//! The proof along a way through the six coordinates, or a sum of ways, piece by piece.
 
 use arrayvec::ArrayVec;
 
 use super::motion::{Motion, Span};
+use super::part::Part;
 use super::search::{Finding, judge};
-use super::section::Section;
 use super::statics::cables;
 use super::taylor::Taylor;
 use super::{Range, redundant};
@@ -14,19 +14,6 @@ use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits
 pub const MOST_PARTS: usize = 4;
 /// Halvings of a piece before it counts as not proved.
 const MOST_HALVINGS: i32 = 10;
-
-/// q = `section`(s) with s(t) = `s` + `v` t + `a` t²/2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
-    /// Of the way.
-    pub section: Section,
-    /// At its beginning.
-    pub s: f64,
-    /// 1/s.
-    pub v: f64,
-    /// 1/s².
-    pub a: f64,
-}
 
 /// A part, or the sum of some, for `duration` seconds.
 #[derive(Clone, Debug, PartialEq)]
@@ -163,21 +150,9 @@ impl Piece {
     }
 }
 
-impl Part {
-    fn led(&self, middle: f64, half: f64) -> [[Taylor; 3]; 6] {
-        let Self { section, s, v, a } = self;
-        let (at, speed) = (s + v * middle + 0.5 * a * middle * middle, v + a * middle);
-        let rounding = 8.0 * f64::EPSILON * (s.abs() + (v * middle).abs() + (a * middle * middle).abs());
-        let mut place = Taylor::ball(at, rounding);
-        (place.coefficients[1], place.coefficients[2]) = (speed * half, 0.5 * a * half * half);
-        let mut rate = Taylor::ball(speed, 8.0 * f64::EPSILON * (v.abs() + (a * middle).abs()));
-        rate.coefficients[1] = a * half;
-        section.led(place, rate, Taylor::constant(*a))
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::section::Section;
     use super::*;
     use crate::control::tensions;
     use crate::robot::RigFile;
@@ -198,7 +173,8 @@ mod tests {
             if run % 2 == 1 {
                 section = Section { begin: 0.1, coefficients: [from.0, way(), way(), way()] };
             }
-            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0) };
+            let beta = if run % 3 == 0 { any(60.0) } else { 0.0 };
+            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), beta };
             let (first, second, duration) = (part(), part(), 0.06 + any(0.05));
             let mut piece = Piece::new(first, duration);
             if run % 4 >= 2 {
@@ -209,10 +185,10 @@ mod tests {
             let margin = (0..=200).map(|k| {
                 let t = piece.duration * f64::from(k) / 200.0;
                 let mut sum = [piece.offset, Coordinates::zeros(), Coordinates::zeros()];
-                for Part { section, s, v, a } in &piece.parts {
-                    let (s, v) = (s + v * t + 0.5 * a * t * t, v + a * t);
+                for Part { section, s, v, a, beta } in &piece.parts {
+                    let [s, v, a] = super::super::part::along([*s, *v, *a], *beta, t);
                     let (slope, bend) = (section.slope(s), section.bend(s));
-                    let led = [section.pose(s).0, slope * v, slope * *a + bend * (v * v)];
+                    let led = [section.pose(s).0, slope * v, slope * a + bend * (v * v)];
                     sum = std::array::from_fn(|order| sum[order] + led[order]);
                 }
                 let tension = tensions(&rig, &Pose(sum[0]), &sum[1], &sum[2], 0.0).unwrap();

@@ -7,6 +7,7 @@
 pub mod along;
 pub mod margins;
 pub mod motion;
+pub mod part;
 pub mod redundant;
 pub mod search;
 pub mod section;
