@@ -4,19 +4,22 @@ mod acting;
 mod planning;
 mod sensing;
 
+use arrayvec::ArrayVec;
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 
 use planning::Refused;
 
 use super::aim::Search;
-use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, Status};
+use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, Status};
 use super::minimum_time::Course;
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
 use super::stop::Stop;
+use super::through::MOST_WAY_POINTS;
 use super::tuning::Tuning;
 use crate::control::{Commands, DelayWatch, Estimator, ForceLoop, Reference};
+use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig};
 
 /// `steady` ends when the tolerances of rest are exceeded this many times over, those of the pose and those of the rates: what encoders jump by
@@ -60,6 +63,8 @@ pub struct Controller {
     /// The search for where to make for instead of a new goal.
     search: Option<Search>,
     refused: Option<Refused>,
+    /// What the next motion leads through.
+    way_points: ArrayVec<Pose, MOST_WAY_POINTS>,
     /// The motion to the set point or, after a fault, to a stop; without one the set point rests.
     course: Option<Course>,
     /// What was tuned and does not act yet.
@@ -117,6 +122,7 @@ impl Controller {
             search: None,
             course: None,
             refused: None,
+            way_points: ArrayVec::new(),
             wanted: None,
             outputs,
         };
@@ -148,6 +154,27 @@ impl Controller {
             Mode::Faulted(_) => {}
         }
         self.act(inputs, dt);
+    }
+
+    /// The motion that the planner decides on next leads through these poses, without a stop where that is proved, else from one to the next. Those given before are
+    /// forgotten.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with a planner other than `MinimumTime`, for more than [`MOST_WAY_POINTS`], and for the first coordinate of a pose at which no platform can be.
+    pub fn pass_through(&mut self, way_points: &[Pose]) -> Result<(), ParameterError> {
+        let (count, kind) = (way_points.len() as f64, self.planner.parameters.planner);
+        let allowed = "no way points are taken but with the planner MinimumTime (3)";
+        require(way_points.is_empty() || kind == PlannerKind::MinimumTime, "way points", count, allowed)?;
+        let taken = ArrayVec::try_from(way_points);
+        let allowed = "at most 7 way points are taken";
+        require(taken.is_ok(), "way points", count, allowed)?;
+        for (i, pose) in way_points.iter().enumerate() {
+            let allowed = "must be finite, and below an anchor";
+            let is_good = self.planner.rig().can_be_at(pose);
+            require(is_good, format!("way point {}, z", i + 1), pose.0[2], allowed)?;
+        }
+        (self.way_points, self.refused) = (taken.unwrap_or_default(), None);
+        Ok(())
     }
 
     /// Starts where the robot is, or waits there to be enabled.

@@ -179,6 +179,9 @@ pub struct ControllerParameters {
     /// Greatest speed of a cable, m/s; 0 for no limit.
     #[serde(default)]
     pub max_cable_speed: f64,
+    /// By how much, m, the platform may rise above the straight way to be quicker; 0: not at all. `MinimumTime` alone heeds it.
+    #[serde(default)]
+    pub lift: f64,
     /// Longest time for which a command may be held, s; 0: as long as the longer of the last two was.
     #[serde(default)]
     pub largest_step: f64,
@@ -259,6 +262,7 @@ impl Default for ControllerParameters {
             max_speed: 0.0,
             max_angular_rate: 0.0,
             max_cable_speed: 0.0,
+            lift: 0.0,
             largest_step: 0.0,
         }
     }
@@ -458,6 +462,10 @@ impl ControllerParameters {
         for (name, value) in self.heeded_by_exact() {
             require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
         }
+        let allowed =
+            "must be 0 (m), or finite and greater with the planner MinimumTime (3), which alone heeds it";
+        let heeds = self.planner == PlannerKind::MinimumTime && self.lift.is_finite() && self.lift > 0.0;
+        require(self.lift == 0.0 || heeds, "lift", self.lift, allowed)?;
         let bound = self.observer_bound;
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;

@@ -21,6 +21,7 @@ pub mod sequence;
 mod speed;
 mod stop;
 mod tangents;
+pub mod through;
 mod tuning;
 
 pub use controller::Controller;

@@ -115,7 +115,7 @@ impl Planner {
             PlannerKind::MinimumTime if now.set_point != goal && !self.is_worth_it(now.set_point, goal) => {
                 Some(*goal)
             }
-            PlannerKind::MinimumTime => self.course(now, None, 0.0, goal).map(|(_, to)| to),
+            PlannerKind::MinimumTime => self.course(now, None, 0.0, (&[], goal)).map(|(_, to)| to),
         }
     }
 
@@ -136,8 +136,24 @@ impl Planner {
     pub fn course_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Course> {
         let is_meant = self.parameters.planner == PlannerKind::MinimumTime;
         is_meant
-            .then(|| self.course(&self.at_rest(from, &Coordinates::zeros()), None, 0.0, goal))?
+            .then(|| self.course(&self.at_rest(from, &Coordinates::zeros()), None, 0.0, (&[], goal)))?
             .map(|(course, _)| course)
+    }
+
+    /// The course from rest by way of these poses, without a stop, to rest at the last, begun at 0 s; `None` where none is proved.
+    pub fn course_through(&self, poses: &[Pose]) -> Option<Course> {
+        let [from, via @ .., goal] = poses else { return None };
+        let still = (Coordinates::zeros(), Coordinates::zeros());
+        let leg = self.leg_through(&self.at_rest(from, &still.1), &still, (from, via, goal), 0.0)?;
+        Some(Course::new(leg, goal))
+    }
+
+    /// The course to `goal` that begins at `begin` (s) on the way along another.
+    #[cfg(test)]
+    pub(super) fn course_from(&self, course: &Course, begin: f64, goal: &Pose) -> Option<Course> {
+        let led = course.at(begin);
+        let now = self.at_rest(&led.pose, &led.rates);
+        Some(self.course(&now, Some(course), begin, (&[], goal))?.0)
     }
 
     fn at_rest<'a>(&self, pose: &'a Pose, rates: &'a Coordinates) -> Situation<'a> {

@@ -72,7 +72,7 @@ impl ContinuousPlant {
         }
     }
 
-    /// By how much derivative, pull and outputs change, to first order, when state and inputs do.
+    /// By how much derivative, pull and outputs change, to first order, when state, inputs and parameters do.
     pub fn vary(&self, inputs: &PlantInputs, by: &Change) -> variation::Effect {
         let point = Point {
             rig: &self.parameters.rig,
@@ -105,7 +105,7 @@ impl ContinuousPlant {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
+    use nalgebra::{Matrix3, Vector3};
 
     use super::*;
     use crate::robot::{Coordinates, Pulley, RigFile};
@@ -185,13 +185,24 @@ mod tests {
             // Slow, so that friction has not turned over.
             plant.state = body::moving(&pose, &(Coordinates::new(0.1, 0.2, -0.1, 0.3, 0.4, -0.5) * 2e-3));
             plant.state.fixed_rows_mut::<4>(6).scale_mut(1.1);
-            for k in 0..25 {
-                let mut by = Change { state: State::zeros(), inputs: PlantInputs::none(6) };
+            // Without friction a command below zero is no pull, with friction it is none: no derivative at 0.
+            for k in 0..if friction > 0.0 { 31 } else { 30 } {
+                let mut by = Change::none(6);
+                let vector = |i: usize| Vector3::new(1.0, -0.5, 0.25) * (1.0 + 0.1 * i as f64);
+                let parameters = &mut by.parameters;
                 match k {
                     0..13 => by.state[k] = 1.0,
                     13..19 => by.inputs.motor_tension[k - 13] = 1.0,
                     19..22 => by.inputs.disturbance_force[k - 19] = 1.0,
-                    _ => by.inputs.disturbance_torque[k - 22] = 1.0,
+                    22..25 => by.inputs.disturbance_torque[k - 22] = 1.0,
+                    25 => parameters.anchor = PerCable::from_fn(6, vector),
+                    26 => parameters.attachment = PerCable::from_fn(6, vector),
+                    27 => parameters.mass = 1.0,
+                    28 => {
+                        parameters.inertia = Matrix3::new(0.1, 0.02, 0.01, 0.02, -0.1, 0.03, 0.01, 0.03, 0.2)
+                    }
+                    29 => parameters.gravity = vector(0),
+                    _ => parameters.friction = 1.0,
                 }
                 differs_by_what_is_said(&plant, &inputs, &by, k);
             }
@@ -201,7 +212,16 @@ mod tests {
     fn differs_by_what_is_said(plant: &ContinuousPlant, inputs: &PlantInputs, by: &Change, k: usize) {
         const STEP: f64 = 1e-7;
         let at = |share: f64| {
-            let moved = ContinuousPlant { state: plant.state + by.state * share, ..*plant };
+            let mut moved = ContinuousPlant { state: plant.state + by.state * share, ..*plant };
+            moved.parameters.friction += by.parameters.friction * share;
+            let rig = &mut moved.parameters.rig;
+            rig.mass += by.parameters.mass * share;
+            rig.inertia += by.parameters.inertia * share;
+            rig.gravity += by.parameters.gravity * share;
+            for (i, cable) in rig.cables.iter_mut().enumerate() {
+                cable.anchor += by.parameters.anchor[i] * share;
+                cable.attachment += by.parameters.attachment[i] * share;
+            }
             let add =
                 |a: &PerCable<f64>, b: &PerCable<f64>| PerCable::from_fn(a.len(), |i| a[i] + share * b[i]);
             let inputs = PlantInputs {

@@ -92,6 +92,25 @@ pub struct PlantOutputs {
     pub slack: PerCable<bool>,
 }
 
+impl PlantOutputs {
+    /// The first that is no finite number; numbers far beyond any rig overflow.
+    fn infinite(&self) -> Option<(String, f64)> {
+        let cable = |name, values: PerCable<f64>| {
+            let found = values.iter().position(|value| !value.is_finite())?;
+            Some((format!("{name}[{}]", found + 1), values[found]))
+        };
+        let whole = |name: &str, values: &[f64]| {
+            let value = values.iter().find(|value| !value.is_finite())?;
+            Some((name.to_owned(), *value))
+        };
+        whole("encoderPose", self.encoder_pose.0.as_slice())
+            .or_else(|| whole("velocity", self.velocity.as_slice()))
+            .or_else(|| whole("angularVelocity", self.angular_velocity.as_slice()))
+            .or_else(|| cable("cableLength", self.cable_length))
+            .or_else(|| cable("measuredTension", self.measured_tension))
+    }
+}
+
 /// A step that could not be computed; the plant is as it was before it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
@@ -165,6 +184,10 @@ impl Plant {
             },
         };
         plant.measure();
+        if let Some((name, value)) = plant.outputs.infinite() {
+            let allowed = "must be finite: base, platform, initialPose or loadCellNoise is too large";
+            require(false, name, value, allowed)?;
+        }
         Ok(plant)
     }
 
@@ -200,11 +223,16 @@ impl Plant {
         let end = end.map_err(|stopped| PlantError {
             time: stopped.time,
             cause: stopped.cause,
-            tension: command.iter().copied().fold(0.0, f64::max),
+            tension: greatest(&command),
         })?;
-        self.motor = lagged(motor, &command, parameters.motor_lag, h);
-        self.state = body::normalised(end);
-        self.measure();
+        let mut next = Self { state: body::normalised(end), ..self.clone() };
+        next.motor = lagged(motor, &command, parameters.motor_lag, h);
+        next.measure();
+        if next.outputs.infinite().is_some() {
+            let cause = "what the encoders or load cells see is no finite number";
+            return Err(PlantError { time: h, cause, tension: greatest(&command) });
+        }
+        *self = next;
         Ok(())
     }
 
@@ -253,6 +281,10 @@ impl Plant {
         let [share, turn]: [f64; 2] = [self.noise.random(), self.noise.random()];
         deviation * (-2.0 * libm::log1p(-share)).sqrt() * libm::cos(std::f64::consts::TAU * turn)
     }
+}
+
+fn greatest(tension: &PerCable<f64>) -> f64 {
+    tension.iter().copied().fold(0.0, f64::max)
 }
 
 /// Cables cannot push: a negative command pulls with zero.

@@ -126,6 +126,7 @@ impl ScenarioFile {
             max_speed: or(&given.max_speed, base.max_speed),
             max_angular_rate: or(&given.max_angular_rate, base.max_angular_rate),
             max_cable_speed: or(&given.max_cable_speed, base.max_cable_speed),
+            lift: or(&given.lift, base.lift),
             ..base
         }
     }
@@ -266,6 +267,7 @@ impl ScenarioFile {
             "maxSpeed" => ("controller.max_speed", start_of(&controller.max_speed)),
             "maxAngularRate" => ("controller.max_angular_rate", start_of(&controller.max_angular_rate)),
             "maxCableSpeed" => ("controller.max_cable_speed", start_of(&controller.max_cable_speed)),
+            "lift" => ("controller.lift", start_of(&controller.lift)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),
             "maxTension" => ("controller.max_tension", start_of(&controller.max_tension).or(least)),

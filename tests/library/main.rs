@@ -24,4 +24,5 @@ mod recognised_rigs;
 mod speeds;
 mod stops;
 mod tuning;
+mod way_points;
 mod worst_case;

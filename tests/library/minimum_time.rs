@@ -2,7 +2,7 @@
 
 use cable_robot::control::static_margin;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
-use cable_robot::robot::{Cable, Coordinates, Pose, RigFile};
+use cable_robot::robot::{Cable, Coordinates, Pose, RigFile, TensionLimits};
 use cable_robot::sim::{ClosedLoop, PlantParameters};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -56,6 +56,27 @@ fn the_papers_move_is_made_in_the_time_that_was_planned() {
     assert!(exact[0] > 3.7 * fastest[0] && bounded[0] > 12.0 * fastest[0]);
 }
 
+/// Higher up the pendulum is shorter: the platform may be quicker on a way that rises.
+#[test]
+fn a_platform_that_may_rise_is_there_a_tenth_sooner() {
+    let limits = TensionLimits { min: 0.5, max: 40.0 };
+    let (start, goal) = (Pose::default(), Pose::at(0.15, 0.15, 1.0));
+    let time = |lift: f64| {
+        let mut parameters = parameters(PlannerKind::MinimumTime, 3.0);
+        parameters.rig = parameters.rig.with_limits(limits);
+        parameters.lift = lift;
+        let course = Planner::from(parameters).course_from_rest(&start, &goal).unwrap();
+        let height = |k: i32| course.at(course.end() * f64::from(k) / 100.0).pose.0[2];
+        let risen = (0..=100).map(height).fold(0.0, |risen: f64, z| risen.max(1.0 - z));
+        assert!(risen <= lift + 1e-12 && risen >= 0.5 * lift, "{risen} {lift}");
+        assert!(course.at(course.end()).pose.minus(&goal).amax() < 1e-12);
+        course.end()
+    };
+    let [straight, low, high] = [0.0, 0.05, 0.2].map(time);
+    println!("straight on {straight:.4} s, by at most 0.05 m up {low:.4} s, by at most 0.2 m {high:.4} s");
+    assert!(low < 0.95 * straight && high < 0.91 * straight);
+}
+
 /// A pose about home, turned by up to `turn` (rad), at which the robot can rest.
 fn inside(rng: &mut Pcg64, RigFile { rig, home, .. }: &RigFile, turn: f64) -> Pose {
     let size = rig.radius();
@@ -69,7 +90,7 @@ fn inside(rng: &mut Pcg64, RigFile { rig, home, .. }: &RigFile, turn: f64) -> Po
 /// Goals at random times, reached or not: the smallest tension commanded beyond the least, as a share of the weight, and how many goals were reached.
 fn with_changing_goals(
     file: &RigFile,
-    turn: f64,
+    [turn, lift]: [f64; 2],
     (gain, step, is_late): (f64, f64, bool),
     runs: usize,
 ) -> (f64, usize) {
@@ -81,6 +102,7 @@ fn with_changing_goals(
             lambda: gain,
             eta: gain,
             command_delay: if is_late { step } else { 0.0 },
+            lift,
             ..ControllerParameters::of(&file.rig)
         };
         let mut run = closed_loop(parameters, inside(&mut rng, file, turn));
@@ -114,20 +136,21 @@ fn with_changing_goals(
 #[test]
 fn goals_that_change_on_the_way_slacken_no_cable() {
     let rigs = [
-        (include_str!("../../rigs/paper.toml"), 0.0, 6),
-        (include_str!("../../rigs/paper.toml"), 0.3, 6),
-        (include_str!("../../rigs/eight.toml"), 0.2, 2),
-        (include_str!("../../rigs/public/cogiro.toml"), 0.1, 1),
+        (include_str!("../../rigs/paper.toml"), [0.0, 0.0], 6),
+        (include_str!("../../rigs/paper.toml"), [0.3, 0.0], 6),
+        (include_str!("../../rigs/paper.toml"), [0.2, 0.1], 4),
+        (include_str!("../../rigs/eight.toml"), [0.2, 0.0], 2),
+        (include_str!("../../rigs/public/cogiro.toml"), [0.1, 0.5], 1),
     ];
     let settings =
         [(3.0, 1e-3, false), (3.0, 4e-3, true), (8.0, 1e-3, true), (8.0, 4e-3, false), (3.0, 20e-3, false)];
-    for (text, turn, runs) in rigs {
+    for (text, turn_and_lift, runs) in rigs {
         let file = RigFile::parse(text).unwrap();
         for setting in settings {
-            let (least, reached) = with_changing_goals(&file, turn, setting, runs);
+            let (least, reached) = with_changing_goals(&file, turn_and_lift, setting, runs);
             let goals = 8 * runs;
             println!(
-                "{}, {setting:?}: {:.2} % of the weight left, {reached} of {goals} goals reached",
+                "{}, turns and lift {turn_and_lift:?}, {setting:?}: {:.2} % of the weight left, {reached} of {goals} goals reached",
                 file.name,
                 100.0 * least
             );

@@ -118,7 +118,7 @@ impl Snapshot {
 
 const MAGIC: &[u8; 8] = b"CABLEROB";
 /// Counts up when the payload changes its shape.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 const TOKEN_AT: usize = 12;
 const LENGTH_AT: usize = TOKEN_AT + 36;
 const PAYLOAD_AT: usize = LENGTH_AT + 8;

@@ -1,8 +1,9 @@
 //! `cable-robot plan`: the set points to a goal, and what stands in the way of one that cannot be had.
 
 mod show;
+mod through;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use cable_robot::plan::PlannerKind;
 use cable_robot::plan::sequence::Sequence;
 use cable_robot::robot::Pose;
@@ -14,6 +15,7 @@ use crate::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
+         cable-robot plan --from 0,0,1 --through 0.1,0,1 --through 0.15,0.05,1 --to 0.15,0.15,1     (in minimum time, without a stop)
          cable-robot plan --from 0,0,1 --to 0,0.4,1     (exit code 3: it says which cable forbids it, when, and how near one gets)";
 
 #[derive(Args)]
@@ -26,9 +28,15 @@ pub struct Plan {
     /// x,y,z[,roll,pitch,yaw] of the goal, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll)
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     to: Pose,
-    /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others
+    /// A way point, a pose as those, passed without a stop; may be given seven times, in their order (planner minimum-time)
+    #[arg(long, value_parser = pose, allow_hyphen_values = true, value_name = "POSE", conflicts_with = "lift")]
+    through: Vec<Pose>,
+    /// Reachable domain to plan with; without it bounded for the paper's rig, exact for others, minimum-time with --through
     #[arg(long, value_parser = planner())]
     planner: Option<PlannerKind>,
+    /// By how much the platform may rise above the straight way to be quicker, m (planner minimum-time)
+    #[arg(long, default_value_t = 0.0)]
+    lift: f64,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -36,9 +44,20 @@ pub struct Plan {
 
 impl Plan {
     pub fn run(&self) -> Result<Outcome> {
-        let (_, parameters) = self.rig.read_with_controller(self.planner)?;
+        let fastest = Some(PlannerKind::MinimumTime);
+        ensure!(
+            self.through.is_empty() || self.planner.is_none() || self.planner == fastest,
+            "--through is for --planner minimum-time: other planners stop at every set point"
+        );
+        let planner = if self.through.is_empty() { self.planner } else { fastest };
+        let (_, mut parameters) = self.rig.read_with_controller(planner)?;
+        parameters.lift = self.lift;
+        parameters.validate()?;
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;
+        if !self.through.is_empty() {
+            return through::run(self, &parameters);
+        }
         let planned = Sequence::new(&parameters, &self.from, &self.to)?;
         if self.json {
             print_json(&show::as_json(self, &planned, &parameters))?;

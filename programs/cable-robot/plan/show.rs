@@ -138,8 +138,6 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
 }
 
 pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> Value {
-    let pose = |pose: &Pose| pose.0.as_slice().to_vec();
-    let tension = |u: &TensionAt| json!({ "cable": u.cable, "tension": u.tension, "time": u.time, "pose": pose(&u.pose) });
     let smallest = planned.smallest.map(|(step, u)| json!({ "step": step, "at": tension(&u) }));
     let obstacle = planned.obstacle.as_ref().map(|obstacle| {
         json!({
@@ -169,12 +167,20 @@ pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameter
     })
 }
 
+pub fn pose(pose: &Pose) -> Vec<f64> {
+    pose.0.as_slice().to_vec()
+}
+
+pub fn tension(u: &TensionAt) -> Value {
+    json!({ "cable": u.cable, "tension": u.tension, "time": u.time, "pose": pose(&u.pose) })
+}
+
 /// From a pose to the goal, m.
 fn distance(plan: &Plan, parameters: &ControllerParameters, pose: &Pose) -> f64 {
     Planner::from(*parameters).distance(pose, &plan.to)
 }
 
-fn described(u: &TensionAt) -> String {
+pub fn described(u: &TensionAt) -> String {
     format!("{:.3} N in cable {} after {:.3} s at {}", u.tension, u.cable, u.time, place_of(&u.pose))
 }
 

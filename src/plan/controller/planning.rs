@@ -121,23 +121,32 @@ impl Controller {
     /// Begins the course to where the planner makes for, from where the robot will be when its first command acts.
     fn set_out(&mut self, pose: &Pose, rates: &Coordinates) -> Option<Pose> {
         let (set_point, aim) = (self.outputs.set_point, self.aim);
-        if set_point == aim
+        if !self.is_under_way() {
+            let at_once = |next: &&Pose| !self.planner.is_worth_it(&set_point, next);
+            let passed = self.way_points.iter().take_while(at_once).count();
+            self.way_points.drain(..passed);
+        }
+        let is_direct = self.way_points.is_empty();
+        if (is_direct && set_point == aim)
             || self.refused.is_some_and(|refused| refused.is_still(&set_point, &aim, self.time))
         {
             return None;
         }
         let then = Situation { pose, rates, ..self.situation() };
         let begin = self.time + self.foreseen_delay();
-        if !self.is_under_way() && !self.planner.is_worth_it(&set_point, &aim) {
+        if is_direct && !self.is_under_way() && !self.planner.is_worth_it(&set_point, &aim) {
             self.course = None;
             return Some(aim);
         }
-        let found = self.planner.course(&then, self.course.as_ref(), begin, &aim);
+        let found = self.planner.course(&then, self.course.as_ref(), begin, (&self.way_points, &aim));
         let is_asked =
             !self.course.as_ref().is_some_and(|course| begin < course.end() && course.is_for(&aim));
         let until = self.time + PATIENCE;
         self.refused = (found.is_none() && is_asked).then_some(Refused { set_point, aim, until });
         let (course, end) = found?;
+        if end == aim {
+            self.way_points.clear();
+        }
         self.course = Some(course);
         Some(end)
     }

@@ -3,6 +3,8 @@
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
+use crate::reach::certificate::part::along;
+
 /// A line in [`PIECES`](super::line::PIECES) pieces, in each at most six arcs of either bound; both in the piece with the switch; one at the greatest speed.
 pub const MOST_ARCS: usize = 64;
 
@@ -26,18 +28,8 @@ pub type Along = [f64; 3];
 
 impl Arc {
     /// `t` seconds after its beginning.
-    ///
-    /// s = s₀ + v₀ t S(rt) + a₀ t²/2 S(rt/2)², s' = v₀ C(rt) + a₀ t S(rt), with r² = |β|, S(x) = sinh(x)/x and C = cosh where β > 0, sin(x)/x and cos
-    /// where β < 0, both 1 where β = 0.
     pub fn at(&self, t: f64) -> Along {
-        let x = self.beta.abs().sqrt() * t;
-        let (whole, half, c) = if self.beta >= 0.0 {
-            (over(libm::sinh(x), x), over(libm::sinh(0.5 * x), 0.5 * x), libm::cosh(x))
-        } else {
-            (over(libm::sin(x), x), over(libm::sin(0.5 * x), 0.5 * x), libm::cos(x))
-        };
-        let way = self.v * t * whole + 0.5 * self.a * t * t * half * half;
-        [self.s + way, self.v * c + self.a * t * whole, self.a + self.beta * way]
+        along([self.s, self.v, self.a], self.beta, t)
     }
 
     /// How long it takes to go `ds` (m) farther, where it has the speed `v1` (m/s, 0 or greater). Neither a nor the speed change sign on the way.
@@ -67,11 +59,6 @@ impl Arc {
 /// Below this β is none: 2 ds/(v₀ + v₁) is right to its square.
 const TINY: f64 = 1e-9;
 
-/// sin(x)/x and its like.
-fn over(sine: f64, x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { sine / x }
-}
-
 /// A motion to rest along a line: arcs, one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
@@ -97,6 +84,35 @@ impl Timing {
         if time.is_finite() && self.arcs.try_push(arc).is_ok() {
             self.duration += time;
         }
+    }
+
+    /// Adds the arc with the speed `v` (m/s) and s'' = `a` (m/s²) from the end so far, for so many seconds.
+    pub(super) fn push_for(&mut self, v: f64, a: f64, time: f64) {
+        let arc = Arc { begin: self.duration, s: self.end, v, a, beta: 0.0 };
+        if self.arcs.try_push(arc).is_ok() {
+            self.end += (v + 0.5 * a * time) * time;
+            self.duration += time;
+        }
+    }
+
+    /// Its beginning, as far as `t` seconds.
+    pub(super) fn until(&self, t: f64) -> Self {
+        let arcs = self.arcs.iter().filter(|arc| arc.begin < t).copied().collect();
+        Self { arcs, end: self.at(t)[0], duration: t }
+    }
+
+    /// Whether there is no room for an arc.
+    pub(super) fn is_full(&self) -> bool {
+        self.arcs.is_full()
+    }
+
+    /// The same motion with all of s divided by a number.
+    pub(super) fn over(mut self, by: f64) -> Self {
+        for arc in &mut self.arcs {
+            (arc.s, arc.v, arc.a) = (arc.s / by, arc.v / by, arc.a / by);
+        }
+        self.end /= by;
+        self
     }
 
     /// The arcs.

@@ -1,6 +1,6 @@
-//! What the limits of the tensions ask of s'' and s'² at a place on a straight way through the six coordinates, for any rig.
+//! What the limits of the tensions ask of s'' and s'² at a place on a way through the six coordinates, for any rig.
 //!
-//! q = q₀ + D s, so q' = D s', q'' = D s'', and the wrench that the cables must give is w₀ + w₁ s'' + w₂ s'², Eq. (1). The wrenches of tensions
+//! With q(s), slope D = dq/ds and bend B = d²q/ds², q' = D s', q'' = D s'' + B s'², and the wrench that the cables must give is w₀ + w₁ s'' + w₂ s'², Eq. (1). The wrenches of tensions
 //! within their limits are a zonotope: between two planes for each five cables, with the normal c that all five of their columns are across to,
 //!
 //! ```text
@@ -9,9 +9,10 @@
 //!
 //! Of six cables these are the limits of one tension each.
 
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 
 use super::polygon::{Condition, Polygon};
+use crate::reach::certificate::section::Section;
 use crate::robot::dynamics::{required_wrench, wrench_of};
 use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
@@ -22,21 +23,78 @@ const FLAT: f64 = 1e-9;
 /// Accelerations looked at: up to this many times gravity, and what all cables together give.
 const MOST_G: f64 = 100.0;
 
-/// The s'' and s'² at a pose on the way `way` (D) with which there are tensions within `limits`; empty where there are none.
-pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &Coordinates) -> Polygon {
+/// The s'' and s'² at the place s on a section with which there are tensions within `limits`; empty where there are none.
+pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, section: &Section, s: f64) -> Polygon {
+    let (pose, slope) = (&section.pose(s), &section.slope(s));
     let none = Coordinates::zeros();
     let at_rest = required_wrench(rig, pose, &none, &none);
-    let of_a = wrench_of(rig, pose, way);
-    let of_x = required_wrench(rig, pose, way, &none) - at_rest;
+    let of_a = wrench_of(rig, pose, slope);
+    let of_x = required_wrench(rig, pose, slope, &section.bend(s)) - at_rest;
+    let most = most(rig, limits, slope);
+    // Where the way does not lead on, nothing says how fast.
+    if limits.len() != rig.cables.len() || !most.is_finite() {
+        return Polygon::none();
+    }
+    let mut polygon = Polygon::rectangle(most, most);
+    let wrenches = [at_rest, of_a, of_x];
+    each_plane(rig, limits, pose, wrenches, |[rest, a, x], [least, greatest]| {
+        if greatest.is_finite() {
+            polygon.clip(&Condition { a, x, bound: greatest - rest });
+        }
+        if least.is_finite() {
+            polygon.clip(&Condition { a: -a, x: -x, bound: rest - least });
+        }
+        !polygon.is_empty()
+    });
+    polygon
+}
+
+/// The least and the greatest factor f for which there are tensions within `limits` that give the wrench `rest` + f `way`, (N, N m); `None` where there is none.
+pub fn between(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    pose: &Pose,
+    rest: Vector6<f64>,
+    way: Vector6<f64>,
+) -> Option<[f64; 2]> {
+    let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+    each_plane(rig, limits, pose, [rest, way], |[rest, way], [least, greatest]| {
+        let ends = [least - rest, greatest - rest];
+        if way == 0.0 {
+            let is_kept = ends[0] <= 0.0 && ends[1] >= 0.0;
+            range = if is_kept { range } else { [f64::INFINITY, f64::NEG_INFINITY] };
+        } else {
+            let [a, b] = ends.map(|end| end / way);
+            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+        }
+        range[0] <= range[1]
+    });
+    (range[0] <= range[1] && range[0].is_finite() && range[1].is_finite()).then_some(range)
+}
+
+/// Hands over, for each plane, the shares of the wrenches across it, and the least and the greatest that tensions within their limits give; until it is told to stop.
+fn each_plane<const N: usize>(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    pose: &Pose,
+    wrenches: [Vector6<f64>; N],
+    mut take: impl FnMut([f64; N], [f64; 2]) -> bool,
+) {
     let radius = rig.platform_radius();
     // Torques count as forces at the platform's radius, so that lengths mean something.
     let scaled = |w: &Vector6<f64>| Vector6::from_fn(|k, _| if k < 3 { w[k] } else { w[k] / radius });
     let columns = rig.cables_at(pose).wrench_matrix().map(|column| scaled(&column));
-    let [at_rest, of_a, of_x] = [at_rest, of_a, of_x].map(|w| scaled(&w));
-    let most = most(rig, limits, way);
-    let mut polygon = Polygon::rectangle(most, most);
-    if columns.len() < LEAST_CABLES || limits.len() != columns.len() {
-        return Polygon::none();
+    let wrenches = wrenches.map(|w| scaled(&w));
+    if columns.len() < LEAST_CABLES {
+        return;
+    }
+    if columns.len() == LEAST_CABLES {
+        // The tensions themselves, u = W⁻¹ w, each within its limits.
+        let matrix = Matrix6::from_columns(&std::array::from_fn::<_, LEAST_CABLES, _>(|i| columns[i]));
+        let Some(inverse) = matrix.try_inverse() else { return };
+        let shares = wrenches.map(|w| inverse * w);
+        (0..LEAST_CABLES).all(|i| take(shares.map(|share| share[i]), [limits[i].min, limits[i].max]));
+        return;
     }
     let mut chosen = [0, 1, 2, 3, 4];
     loop {
@@ -51,25 +109,21 @@ pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, pose: &Pose, way: &
                     greatest += ends[0].max(ends[1]);
                 }
             }
-            let [rest, a, x] = [at_rest, of_a, of_x].map(|w| normal.dot(&w));
-            if greatest.is_finite() {
-                polygon.clip(&Condition { a, x, bound: greatest - rest });
-            }
-            if least.is_finite() {
-                polygon.clip(&Condition { a: -a, x: -x, bound: rest - least });
+            if !take(wrenches.map(|w| normal.dot(&w)), [least, greatest]) {
+                return;
             }
         }
-        if polygon.is_empty() || !next(&mut chosen, columns.len()) {
-            return polygon;
+        if !next(&mut chosen, columns.len()) {
+            return;
         }
     }
 }
 
 /// The greatest s'' and s'² looked at, 1/s².
-fn most(rig: &Rig, limits: &PerCable<TensionLimits>, way: &Coordinates) -> f64 {
+fn most(rig: &Rig, limits: &PerCable<TensionLimits>, slope: &Coordinates) -> f64 {
     let pulls = limits.iter().map(|limits| limits.max).filter(|max| max.is_finite());
     let fastest = MOST_G * rig.gravity.norm() + pulls.sum::<f64>() / rig.mass;
-    let [linear, angular] = [0, 3].map(|k| way.fixed_rows::<3>(k).norm());
+    let [linear, angular] = [0, 3].map(|k| slope.fixed_rows::<3>(k).norm());
     fastest / (linear + rig.platform_radius() * angular)
 }
 
@@ -132,13 +186,15 @@ mod tests {
             for _ in 0..300 {
                 let mut any = |size: f64| Coordinates::from_fn(|_, _| rng.random_range(-size..size));
                 let (size, pose) = (rig.radius(), Pose(home.0 + any(0.1)));
-                let mut way = any(1.0);
-                (0..3).for_each(|k| way[k] *= 0.3 * size);
-                let polygon = feasible(&rig, &rig.limits(), &pose, &way);
+                let [mut way, mut bend] = [any(1.0), any(1.0)];
+                (0..3).for_each(|k| (way[k], bend[k]) = (way[k] * 0.3 * size, bend[k] * 0.3 * size));
+                let section = Section { begin: 0.0, coefficients: [pose.0, way, bend, any(1.0)] };
+                let polygon = feasible(&rig, &rig.limits(), &section, 0.0);
                 let (widest, highest) = (polygon.between(0.0).unwrap_or([-1.0, 1.0]), polygon.highest());
                 let a = 1.5 * rng.random_range(widest[0]..widest[1]);
                 let x = 1.5 * rng.random_range(0.0..highest.unwrap_or(1.0));
-                let wrench = required_wrench(&rig, &pose, &(way * f64::sqrt(x)), &(way * a));
+                let wrench =
+                    required_wrench(&rig, &pose, &(way * f64::sqrt(x)), &(way * a + bend * (2.0 * x)));
                 let margin = widest_margin(&rig, &rig.cables_at(&pose).wrench_matrix(), &wrench);
                 let is_in =
                     polygon.between(x).is_some_and(|[least, greatest]| (least..=greatest).contains(&a));

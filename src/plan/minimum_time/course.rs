@@ -1,36 +1,50 @@
-//! A motion under way: along one way, or to a stop on one and then along another.
+//! A motion under way: along one way, or to a stop on one and along another, after the stop or added to it.
 
+use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use super::arc::{Along, Timing};
 use super::line::Line;
 use super::path::Path;
+use super::sum;
 use crate::control::Reference;
-use crate::robot::{Coordinates, Pose, Rig};
+use crate::reach::certificate::along::MOST_PARTS;
+use crate::reach::certificate::part::Part;
+use crate::reach::certificate::section::Section;
+use crate::robot::{Pose, Rig};
 
-/// A straight way.
+/// A way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "boxing would allocate in a step")]
 pub enum Way {
-    /// Of the paper's robot, level: s in m.
-    Line(Line),
+    /// Straight on, of the paper's robot, level: s in m. And where that is in the rig's own frame.
+    Line(Line, Section),
     /// Of any: s from 0 to 1.
     Path(Path),
 }
 
 impl Way {
-    /// In units of s.
-    pub(super) fn length(&self) -> f64 {
+    fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
         match self {
-            Self::Line(line) => line.length(),
-            Self::Path(_) => 1.0,
+            Self::Line(line, _) => line.stop(s, v),
+            Self::Path(path) => path.stop(rig, s, v),
         }
     }
 
-    fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
+    /// Where sections join.
+    fn joints(&self) -> impl Iterator<Item = f64> {
+        let sections = match self {
+            Self::Line(..) => &[],
+            Self::Path(path) => path.way.sections(),
+        };
+        sections.iter().skip(1).map(|section| section.begin)
+    }
+
+    /// The section that leads on from s.
+    fn section(&self, s: f64) -> &Section {
         match self {
-            Self::Line(line) => line.stop(s, v),
-            Self::Path(path) => path.stop(rig, s, v),
+            Self::Line(_, section) => section,
+            Self::Path(path) => path.way.section(s),
         }
     }
 }
@@ -42,11 +56,10 @@ pub struct Leg {
     pub(super) timing: Timing,
     /// When it begins, s.
     pub(super) begin: f64,
-    /// Where the way begins, and the rates of the coordinates at s' = 1.
-    pub(super) from: Pose,
-    pub(super) direction: Coordinates,
     /// What holding the commands costs on it, N.
     pub(super) held: f64,
+    /// What it leaves to the limits, N.
+    pub(super) kept: f64,
 }
 
 impl Leg {
@@ -57,29 +70,36 @@ impl Leg {
 
     /// Where it ends.
     pub(super) fn end_pose(&self) -> Pose {
-        Pose(self.from.0 + self.direction * self.timing.end)
+        self.way.section(self.timing.end).pose(self.timing.end)
     }
 
-    fn at(&self, time: f64) -> Reference {
-        self.led(self.timing.at(time - self.begin))
+    pub(super) fn at(&self, time: f64) -> Reference {
+        let along = self.timing.at(time - self.begin);
+        led(self.way.section(along[0]), along)
+    }
+
+    /// The arc on which it is at an instant, as a part of a motion from a time (s) on; `None` before it begins and after it ends.
+    pub(super) fn part(&self, instant: f64, from: f64) -> Option<Part> {
+        let instant = instant - self.begin;
+        let (arc, _) = self
+            .timing
+            .spans()
+            .find(|(arc, duration)| (arc.begin..arc.begin + duration).contains(&instant))?;
+        let [s, v, a] = arc.at(from - self.begin - arc.begin);
+        Some(Part { section: *self.way.section(arc.s), s, v, a, beta: arc.beta })
+    }
+
+    /// When its arcs begin and end, s.
+    pub(super) fn instants(&self) -> impl Iterator<Item = f64> {
+        self.timing.arcs().iter().map(|arc| arc.begin).chain([self.timing.duration]).map(|t| self.begin + t)
     }
 
     /// Both ends of every arc, with their times, s.
     fn arcs(&self) -> impl Iterator<Item = [(f64, Reference); 2]> {
-        let arcs = self.timing.arcs();
-        (0..arcs.len()).map(move |k| {
-            let begin = arcs[k].begin;
-            let end = arcs.get(k + 1).map_or(self.timing.duration, |next| next.begin);
-            [begin, end].map(|t| (self.begin + t, self.led(arcs[k].at(t - begin))))
+        self.timing.spans().map(|(arc, duration)| {
+            let section = self.way.section(arc.s);
+            [0.0, duration].map(|t| (self.begin + arc.begin + t, led(section, arc.at(t))))
         })
-    }
-
-    fn led(&self, [s, v, a]: Along) -> Reference {
-        Reference {
-            pose: Pose(self.from.0 + self.direction * s),
-            rates: self.direction * v,
-            accelerations: self.direction * a,
-        }
     }
 
     /// The stop that begins at a time (s) on it: where it rests, rest; where none is proved that ends before it does, itself.
@@ -93,18 +113,33 @@ impl Leg {
     }
 }
 
-/// One leg, or a stop and the leg after it. At rest at its end from then on.
+/// Places of the grid in an arc of a stop that something is added to.
+const STEP: usize = 2;
+
+/// Legs of a course.
+pub(super) const MOST_LEGS: usize = MOST_PARTS;
+
+/// Legs, each from where those before it come to rest. A leg that begins before they do is added to them. At rest at its end from then on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Course {
-    first: Leg,
-    second: Option<Leg>,
+    legs: ArrayVec<Leg, MOST_LEGS>,
     /// What it was planned for, whether it leads there or only towards it.
     goal: Pose,
 }
 
 impl Course {
-    pub(super) fn new(first: Leg, second: Option<Leg>, goal: &Pose) -> Self {
-        Self { first, second, goal: *goal }
+    pub(in crate::plan) fn new(first: Leg, goal: &Pose) -> Self {
+        Self { legs: [first].into_iter().collect(), goal: *goal }
+    }
+
+    /// With a leg more, on the way to a goal; `None` with more than [`MOST_LEGS`].
+    pub(super) fn and(mut self, leg: Leg, goal: &Pose) -> Option<Self> {
+        self.legs.try_push(leg).ok()?;
+        Some(Self { goal: *goal, ..self })
+    }
+
+    pub(super) fn legs(&self) -> &[Leg] {
+        &self.legs
     }
 
     /// Whether it was planned for this goal.
@@ -114,37 +149,116 @@ impl Course {
 
     /// When it ends, s.
     pub fn end(&self) -> f64 {
-        self.second.as_ref().unwrap_or(&self.first).end()
+        self.legs.iter().map(Leg::end).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Where it ends.
+    pub(super) fn end_pose(&self) -> Pose {
+        self.legs.last().map_or(self.goal, Leg::end_pose)
     }
 
     /// What holding the commands costs on it, N.
     pub fn held(&self) -> f64 {
-        let second = self.second.as_ref().map_or(0.0, |second| second.held);
-        self.first.held.max(second)
+        self.legs.iter().map(|leg| leg.held).fold(0.0, f64::max)
+    }
+
+    /// When it passes the way points of its last leg, s.
+    pub fn passes(&self) -> impl Iterator<Item = f64> {
+        self.legs.last().into_iter().flat_map(|leg| {
+            leg.way.joints().filter_map(|joint| {
+                let arc = leg.timing.arcs().iter().find(|arc| arc.s == joint)?;
+                Some(leg.begin + arc.begin)
+            })
+        })
     }
 
     /// Where it leads the robot at a time, s.
     pub fn at(&self, time: f64) -> Reference {
-        self.leg(time).at(time)
+        let last = self.legs.iter().rposition(|leg| leg.begin <= time).unwrap_or(0);
+        let Some(leg) = self.legs.get(last) else { return Reference::resting(&self.goal) };
+        let mut sum = leg.at(time);
+        for before in self.legs[..last].iter().filter(|before| time < before.end()) {
+            add(&mut sum, &before.at(time), &before.end_pose());
+        }
+        sum
     }
 
     /// Where it leads the robot at both ends of each arc that has not ended at a time (s).
     pub fn arcs(&self, time: f64) -> impl Iterator<Item = [(f64, Reference); 2]> {
-        let legs = [Some(&self.first), self.second.as_ref()].into_iter().flatten();
-        legs.flat_map(Leg::arcs).filter(move |[_, (end, _)]| *end >= time)
+        let arcs = self.legs.iter().enumerate().flat_map(move |(k, leg)| {
+            // A leg that is added to others has the ends of their arcs among those of its own.
+            let until = self.legs.get(k + 1).map_or(f64::INFINITY, |next| next.begin);
+            let own = leg.arcs().take_while(move |[(begin, _), _]| *begin < until);
+            own.map(move |ends| self.with_those_before(k, ends))
+        });
+        arcs.filter(move |[_, (end, _)]| *end >= time)
     }
 
-    /// The leg that brings it to rest as soon as is proved from a time (s) on.
-    pub(super) fn stop(&self, rig: &Rig, time: f64) -> Leg {
-        self.leg(time).stop(rig, time)
+    fn with_those_before(&self, k: usize, ends: [(f64, Reference); 2]) -> [(f64, Reference); 2] {
+        let middle = 0.5 * (ends[0].0 + ends[1].0);
+        ends.map(|(time, mut sum)| {
+            for before in &self.legs[..k] {
+                if let Some(part) = before.part(middle, time) {
+                    add(&mut sum, &led(&part.section, [part.s, part.v, part.a]), &before.end_pose());
+                }
+            }
+            (time, sum)
+        })
     }
 
-    /// The course that stops from a time (s) on, as soon as is proved.
+    /// The course that stops from a time (s) on, as soon as is proved: legs that stop already go on.
     pub fn stopped(&self, rig: &Rig, time: f64) -> Self {
-        Self::new(self.stop(rig, time), None, &self.goal)
+        let last = self.legs.iter().rposition(|leg| leg.begin <= time).unwrap_or(0);
+        let Some(leg) = self.legs.get(last) else { return self.clone() };
+        let mut legs: ArrayVec<Leg, MOST_LEGS> =
+            self.legs[..last].iter().filter(|before| time < before.end()).cloned().collect();
+        let stop = if legs.is_empty() { leg.stop(rig, time) } else { sum::stop(rig, &legs, leg, time) };
+        legs.push(stop);
+        Self { legs, goal: self.goal }
+    }
+}
+
+impl Course {
+    /// The course that stops from a time (s) on, in few arcs where that is proved.
+    pub(super) fn stopped_in_steps(&self, rig: &Rig, time: f64) -> Self {
+        let mut stopped = self.stopped(rig, time);
+        let now = self.legs.iter().rfind(|leg| leg.begin <= time);
+        if let ([stop], Some(Leg { way: Way::Path(path), timing, begin, .. })) = (&mut stopped.legs[..], now)
+        {
+            let [s, v, _] = timing.at(time - begin);
+            let is_one = path.way.sections().len() == 1;
+            if let Some(timing) = is_one.then(|| path.stop_in_steps(rig, [s, v], STEP)).flatten() {
+                (stop.timing, stop.begin) = (timing, time);
+            }
+        }
+        stopped
     }
 
-    fn leg(&self, time: f64) -> &Leg {
-        self.second.as_ref().filter(|second| second.begin <= time).unwrap_or(&self.first)
+    /// The course from a time (s) on, without the legs that have ended and those that have not begun.
+    pub(super) fn going_on(&self, time: f64) -> Self {
+        let under_way = |leg: &&Leg| leg.begin <= time && time < leg.end();
+        Self { legs: self.legs.iter().filter(under_way).cloned().collect(), goal: self.goal }
+    }
+
+    /// What its legs leave to the limits, N.
+    pub(super) fn kept(&self) -> f64 {
+        self.legs.iter().map(|leg| leg.kept).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Adds a motion, counted from where it rests.
+fn add(sum: &mut Reference, led: &Reference, rest: &Pose) {
+    sum.pose.0 += led.pose.0 - rest.0;
+    sum.rates += led.rates;
+    sum.accelerations += led.accelerations;
+}
+
+/// Where a section leads.
+pub(super) fn led(section: &Section, [s, v, a]: Along) -> Reference {
+    let slope = section.slope(s);
+    Reference {
+        pose: section.pose(s),
+        rates: slope * v,
+        accelerations: slope * a + section.bend(s) * (v * v),
     }
 }

@@ -9,7 +9,10 @@ pub mod line;
 pub mod path;
 mod planning;
 mod polygon;
+mod sum;
+mod track;
 
 pub use arc::{Along, Arc, Timing};
 pub use course::Course;
 pub use line::Line;
+pub use track::{MOST_SECTIONS, Track};

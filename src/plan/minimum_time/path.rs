@@ -1,4 +1,4 @@
-//! The fastest motion of any rig along a straight way through the six coordinates: path timing on a grid, and the proof of what is between.
+//! The fastest motion of any rig along a way through the six coordinates: path timing on a grid, and the proof of what is between.
 //!
 //! s'' is constant on each interval of the grid, so s'² is linear in s. Backwards from rest at the end follows how fast the platform may be at each place and
 //! still be able to stop there; forwards it goes as fast as that allows. The tensions keep their limits at both ends of each interval; that they do in between is
@@ -9,13 +9,15 @@ use serde::{Deserialize, Serialize};
 use super::arc::{MOST_ARCS, Timing};
 use super::conditions::feasible;
 use super::polygon::{Condition, Polygon};
+use super::track::Track;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
+use crate::reach::certificate::part::Part;
 use crate::robot::pose::PITCH;
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
 /// Intervals of the grid.
-const INTERVALS: usize = MOST_ARCS;
+pub const INTERVALS: usize = MOST_ARCS;
 /// By how much the limits are narrowed on the grid at first, as a share of the weight: of more than six cables by more, whose tensions have to be shown. How many
 /// times as much where that was not enough.
 const NARROWED: [f64; 2] = [1e-4, 1e-3];
@@ -28,23 +30,27 @@ const MOST_SPANS: usize = 2000;
 #[derive(Clone, Copy, Debug)]
 pub struct Work {
     timings: usize,
-    spans: usize,
+    pub(super) spans: usize,
+    has_bent: bool,
 }
 
 impl Work {
     /// Of one decision.
     pub fn of_a_decision() -> Self {
-        Self { timings: MOST_TIMINGS, spans: MOST_SPANS }
+        Self { timings: MOST_TIMINGS, spans: MOST_SPANS, has_bent: false }
+    }
+
+    /// Whether a bend may be looked for: once.
+    pub fn may_bend(&mut self) -> bool {
+        !std::mem::replace(&mut self.has_bent, true)
     }
 }
 
-/// A straight way through the six coordinates: q = `from` + `way` s, s from 0 to 1, and what is to be kept on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A way through the six coordinates, and what is to be kept on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// Where it begins, m and rad.
-    pub from: Pose,
-    /// To its end, m and rad.
-    pub way: Coordinates,
+    /// Where it leads.
+    pub way: Track,
     /// Limits of the tensions, N.
     pub limits: PerCable<TensionLimits>,
     /// Greatest s'², 1/s².
@@ -55,6 +61,13 @@ pub struct Path {
 type Narrowed = [f64; INTERVALS + 1];
 
 impl Path {
+    /// How long it takes, s, before anything is proved.
+    pub fn quickest(&self, rig: &Rig) -> Option<f64> {
+        let is_sensible = (0..=INTERVALS).all(|k| rig.can_be_at(&self.pose(place(k))));
+        let timing = is_sensible.then(|| self.fastest(rig, &[narrowed_at_first(rig); INTERVALS + 1]));
+        Some(timing??.duration)
+    }
+
     /// The fastest motion from rest to rest, and what was seen of its tensions. `None` where none is found and proved with the `work` that is left, and where the
     /// platform cannot rest somewhere on the way.
     pub fn timed(&self, rig: &Rig, work: &mut Work) -> Option<(Timing, Seen)> {
@@ -84,12 +97,17 @@ impl Path {
 
     /// The stop as soon as can be from the place `s` with the speed `v` (1/s) on; `None` where none is proved, as where the motion brakes as hard as it can already.
     pub fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
+        self.stop_in_steps(rig, [s, v], 1)
+    }
+
+    /// The same in steps of so many places of the grid; on a way of one section.
+    pub fn stop_in_steps(&self, rig: &Rig, [s, v]: [f64; 2], step: usize) -> Option<Timing> {
         let narrowed = narrowed_at_first(rig);
         let mut timing = Timing::begun_at(s);
         let s = s.max(0.0);
         let (mut here, mut x) = (self.polygon(rig, s, narrowed), v * v);
         let first = (0..=INTERVALS).find(|k| place(*k) > s)?;
-        for k in first..=INTERVALS {
+        for k in (first..=INTERVALS).filter(|k| k % step == 0) {
             let ds = place(k) - timing.end;
             // Before the next place, where it can.
             let [least, _] = here.between(x.min(here.highest()?))?;
@@ -112,13 +130,13 @@ impl Path {
     }
 
     fn pose(&self, s: f64) -> Pose {
-        Pose(self.from.0 + self.way * s)
+        self.way.pose(s)
     }
 
     /// What is feasible at a place, with the limits narrowed.
     fn polygon(&self, rig: &Rig, s: f64, narrowed: f64) -> Polygon {
         let limits = self.limits.map(|limits| limits.shrunk(narrowed));
-        let mut polygon = feasible(rig, &limits, &self.pose(s), &self.way);
+        let mut polygon = feasible(rig, &limits, self.way.section(s), s);
         if self.fastest.is_finite() {
             polygon.clip(&Condition { a: 0.0, x: 1.0, bound: self.fastest });
         }
@@ -176,7 +194,8 @@ impl Path {
     ) -> [bool; MOST_ARCS] {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
-            let piece = Piece { from: self.from, way: self.way, s: arc.s, v: arc.v, a: arc.a, duration };
+            let section = *self.way.section(arc.s);
+            let piece = Piece::new(Part { section, s: arc.s, v: arc.v, a: arc.a, beta: arc.beta }, duration);
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed
@@ -184,7 +203,7 @@ impl Path {
 }
 
 /// N.
-fn narrowed_at_first(rig: &Rig) -> f64 {
+pub fn narrowed_at_first(rig: &Rig) -> f64 {
     NARROWED[usize::from(rig.cables.len() > LEAST_CABLES)] * rig.weight()
 }
 
@@ -192,7 +211,7 @@ fn narrowed_at_first(rig: &Rig) -> f64 {
 const STILL: f64 = 1e-9;
 
 /// Of the grid.
-fn place(k: usize) -> f64 {
+pub fn place(k: usize) -> f64 {
     k as f64 / INTERVALS as f64
 }
 
@@ -201,12 +220,12 @@ mod tests {
     use super::super::Line;
     use super::*;
     use crate::control::{static_margin, tensions};
-    use crate::robot::{RigFile, RobotParameters};
+    use crate::robot::{Coordinates, RigFile, RobotParameters};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
     fn path(rig: &Rig, from: Pose, to: &Pose) -> Path {
-        Path { from, way: to.minus(&from), limits: rig.limits(), fastest: f64::INFINITY }
+        Path { way: Track::straight(&from, to), limits: rig.limits(), fastest: f64::INFINITY }
     }
 
     /// On a level line of the paper's robot both ways give the same.
@@ -245,8 +264,12 @@ mod tests {
                 poses.take(1000).find(|pose| static_margin(rig, pose) > 0.01 * rig.weight()).unwrap()
             };
             let (mut planned, mut stopped) = (0, 0);
-            for _ in 0..runs {
-                let path = path(rig, end(), &end());
+            for run in 0..runs {
+                let mut path = path(rig, end(), &end());
+                if run % 2 == 1 {
+                    let bump = Coordinates::from_fn(|k, _| if k == 2 { -0.03 * rig.radius() } else { 0.02 });
+                    path.way = Track::bent(&path.pose(0.0), &path.pose(1.0), &bump);
+                }
                 let Some((timing, _)) = path.timed(rig, &mut Work::of_a_decision()) else { continue };
                 planned += 1;
                 let check = |timing: &Timing| {
@@ -259,8 +282,10 @@ mod tests {
                     }
                     for k in 0..=500 {
                         let [s, v, a] = timing.at(timing.duration * f64::from(k) / 500.0);
+                        let (slope, bend) = (path.way.section(s).slope(s), path.way.section(s).bend(s));
+                        let accelerations = slope * a + bend * (v * v);
                         let tension =
-                            tensions(rig, &path.pose(s), &(path.way * v), &(path.way * a), 0.0).unwrap();
+                            tensions(rig, &path.pose(s), &(slope * v), &accelerations, 0.0).unwrap();
                         let is_kept = |(u, limits): (&f64, &TensionLimits)| limits.margin(*u) > -1e-9;
                         assert!(tension.iter().zip(&path.limits).all(is_kept), "{path:?} {tension:?}");
                     }

@@ -1,15 +1,20 @@
 //! `MinimumTime`: courses, and what they leave to the limits for what is not in the way itself. Derived in docs/minimum-time.md.
 
+use arrayvec::ArrayVec;
+
 use super::arc::Timing;
 use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
-use super::path::{Path, Work};
+use super::path::{Path, Work, narrowed_at_first};
+use super::sum::Sum;
+use super::track::{MOST_SECTIONS, Track};
 use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
-use crate::robot::{Coordinates, Pose, Shape};
+use crate::reach::certificate::section::Section;
+use crate::robot::{Coordinates, LEAST_CABLES, Pose, Shape};
 
 /// What counts as level, rad: rounding of rigs that stand turned.
 const LEVEL: f64 = 1e-9;
@@ -22,8 +27,11 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// the cables pull more.
 const BETWEEN: f64 = 2.0;
 
+/// Heights of a bent way that are looked at.
+const HEIGHTS: i32 = 9;
+
 /// Of the pose and the rates, from a reference.
-type Error = (Coordinates, Coordinates);
+pub(in crate::plan) type Error = (Coordinates, Coordinates);
 
 /// A motion along a way, what holding the commands costs on it, and the greatest tension, N.
 struct Timed {
@@ -31,46 +39,135 @@ struct Timed {
     timing: Timing,
     held: f64,
     greatest: f64,
+    /// What else is left to the limits, N.
+    disturbed: f64,
+}
+
+/// What a motion must leave to the limits, N.
+struct Margins {
+    /// What the error at the beginning costs, about rest.
+    of_error: f64,
+    /// What is not known.
+    unknown: f64,
+    /// The greatest tension at rest,
+    at_rest: f64,
+    /// and what is left there.
+    most: f64,
+}
+
+impl Margins {
+    /// What is left with so much to spare.
+    fn kept(&self, spare: f64) -> f64 {
+        (self.unknown + spare).min(self.most)
+    }
+
+    /// What is needed to spare where holding costs `held` and cables pull `greatest`: a shift costs the more the more they pull.
+    fn needed(&self, held: f64, greatest: f64) -> f64 {
+        self.of_error * BETWEEN.max(greatest / self.at_rest) + held
+    }
+
+    fn are_kept(&self, kept: f64, held: f64, greatest: f64) -> bool {
+        self.needed(held, greatest) <= (kept - self.unknown).max(0.0)
+    }
 }
 
 impl Planner {
-    /// The course to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
+    /// The course by way of `via` to `goal` that begins at `begin` (s): from rest, or from the course `under_way` by way of a stop; or as much of it as is proved, with where that
     /// ends. `None` where nothing is, and while the robot is too far from the reference.
     pub(in crate::plan) fn course(
         &self,
         now: &Situation,
         under_way: Option<&Course>,
         begin: f64,
-        goal: &Pose,
+        (via, goal): (&[Pose], &Pose),
     ) -> Option<(Course, Pose)> {
-        if !self.is_worth_it(now.set_point, goal) || now.hold > self.parameters.longest_hold() {
+        let is_worth_it = !via.is_empty() || self.is_worth_it(now.set_point, goal);
+        if !is_worth_it || now.hold > self.parameters.longest_hold() {
             return None;
         }
         if let Some(course) = under_way.filter(|course| begin < course.end()) {
             if course.is_for(goal) {
                 return None;
             }
-            let stop = course.stop(self.rig(), begin);
+            let stopped = course.stopped(self.rig(), begin);
             let reference = course.at(begin);
             let error = (now.pose.minus(&reference.pose), now.rates - reference.rates);
-            let from = stop.end_pose();
-            let (leg, to) = self.as_far_as(now, &error, (&from, goal), stop.end())?;
-            return Some((Course::new(stop, Some(leg), goal), to));
+            let from = stopped.end_pose();
+            let (leg, to) = self.as_far_as(now, &error, (&from, via, goal), stopped.end())?;
+            let is_direct = via.is_empty() && to == *goal;
+            let added = is_direct.then(|| self.added(now, &error, course, (begin, &leg), goal));
+            return match added.flatten() {
+                Some(added) => Some((added, to)),
+                None => Some((stopped.and(leg, goal)?, to)),
+            };
         }
         // A robot that is not at rest there yet is in error: as much as the leg can bear.
         let error = (now.pose.minus(now.set_point), *now.rates);
-        let (leg, to) = self.as_far_as(now, &error, (now.set_point, goal), begin)?;
-        Some((Course::new(leg, None, goal), to))
+        let (leg, to) = self.as_far_as(now, &error, (now.set_point, via, goal), begin)?;
+        Some((Course::new(leg, goal), to))
     }
 
-    /// The leg to `goal`, or a part of it.
+    /// The course to `goal` that is added to the stop from `begin` (s) on, or to the course under way itself, whichever is sooner; `None` where neither is proved to be
+    /// there before the leg `after` a stop is.
+    fn added(
+        &self,
+        now: &Situation,
+        error: &Error,
+        course: &Course,
+        (begin, after): (f64, &Leg),
+        goal: &Pose,
+    ) -> Option<Course> {
+        // What the sum's speed is, nothing says; and with more cables it takes too long to find.
+        if self.greatest_speed(1.0, 1.0).is_finite() || self.rig().cables.len() > LEAST_CABLES {
+            return None;
+        }
+        let bases = [course.stopped_in_steps(self.rig(), begin), course.going_on(begin)];
+        let mut end = after.end();
+        let mut best = None;
+        for base in bases {
+            let found = self.added_to(base, now, error, (begin, end), goal);
+            end = found.as_ref().map_or(end, Course::end);
+            best = found.or(best);
+        }
+        best
+    }
+
+    /// The course to `goal` that is added to another from `begin` (s) on; `None` where none is proved to be there before `end` (s).
+    fn added_to(
+        &self,
+        base: Course,
+        now: &Situation,
+        error: &Error,
+        (begin, end): (f64, f64),
+        goal: &Pose,
+    ) -> Option<Course> {
+        let rest = base.end_pose();
+        if base.end() >= end || !self.is_worth_it(&rest, goal) {
+            return None;
+        }
+        let margins = self.margins(error, &[rest, *goal])?;
+        let kept = base.kept() - of_lines(&base) * narrowed_at_first(self.rig());
+        let way = Track::straight(&rest, goal);
+        let path = Path { way, limits: self.limits(kept), fastest: f64::INFINITY };
+        let mut sum = Sum::new(self.rig(), base.legs(), &path, end - begin);
+        let (timing, seen) = sum.fastest(begin, end, &mut Work::of_a_decision())?;
+        let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()]);
+        let leg = Leg { way: course::Way::Path(path), timing, begin, held, kept };
+        margins.are_kept(kept, held, seen.greatest()).then(|| base.and(leg, goal))?
+    }
+
+    /// The leg by way of `via` to `goal`, or to the first of these, or a part of that.
     fn as_far_as(
         &self,
         now: &Situation,
         error: &Error,
-        (from, goal): (&Pose, &Pose),
+        (from, via, goal): (&Pose, &[Pose], &Pose),
         begin: f64,
     ) -> Option<(Leg, Pose)> {
+        if let [first, ..] = via {
+            let through = self.leg_through(now, error, (from, via, goal), begin).map(|leg| (leg, *goal));
+            return through.or_else(|| self.as_far_as(now, error, (from, &[], first), begin));
+        }
         let mut work = Work::of_a_decision();
         PARTS.into_iter().find_map(|part| {
             let to = Way { from, goal }.at(1.0 - part);
@@ -80,40 +177,97 @@ impl Planner {
         })
     }
 
-    /// The fastest motion between two poses at rest that leaves what is needed to the limits.
+    /// The fastest motion between two poses at rest that leaves what is needed to the limits: straight, or bent upwards where that is quicker.
     fn leg(
         &self,
         now: &Situation,
         error: &Error,
-        (from, to): (&Pose, &Pose),
+        ends: (&Pose, &Pose),
         begin: f64,
         work: &mut Work,
     ) -> Option<Leg> {
-        let of_error = self.cost_of_error(from, error)?.max(self.cost_of_error(to, error)?);
-        let unknown = self.unknown_on_the_way(from, to);
-        let at_rest = self.greatest_at_rest(from)?.min(self.greatest_at_rest(to)?);
-        // Where less is left at rest, no more is asked for.
-        let most = (LEFT * self.known_margin_at(from)).max(0.0);
-        let mut spare = self.allowance().max(BETWEEN * of_error);
+        let places = [*ends.0, *ends.1];
+        let straight = self.path(Track::straight(ends.0, ends.1));
+        let bent = self.bent(ends, work);
+        // With work of its own, so that what is not proved leaves enough for straight on.
+        let mut own = Work::of_a_decision();
+        let bent = bent.and_then(|path| self.leg_along(now, error, &places, &path, begin, &mut own));
+        bent.or_else(|| self.leg_along(now, error, &places, &straight, begin, work))
+    }
+
+    /// The fastest motion by way of poses, on the smooth way through them.
+    pub(in crate::plan) fn leg_through(
+        &self,
+        now: &Situation,
+        error: &Error,
+        (from, via, to): (&Pose, &[Pose], &Pose),
+        begin: f64,
+    ) -> Option<Leg> {
+        if via.len() >= MOST_SECTIONS {
+            return None;
+        }
+        let places = std::iter::once(from).chain(via).chain([to]).copied();
+        let places: ArrayVec<Pose, { MOST_SECTIONS + 1 }> = places.collect();
+        let way = Track::through(&places, self.rig().platform_radius())?;
+        self.leg_along(now, error, &places, &self.path(way), begin, &mut Work::of_a_decision())
+    }
+
+    /// The fastest motion along a path by way of these places that leaves what is needed to the limits.
+    fn leg_along(
+        &self,
+        now: &Situation,
+        error: &Error,
+        places: &[Pose],
+        path: &Path,
+        begin: f64,
+        work: &mut Work,
+    ) -> Option<Leg> {
+        let last = places.last()?;
+        let margins = self.margins(error, places)?;
+        let mut spare = self.allowance().max(BETWEEN * margins.of_error);
         for _ in 0..PLANS {
-            let kept = (unknown + spare).min(most);
-            let Timed { way, timing, held, greatest } = self.timed((from, to), kept, now.hold, work)?;
-            // A shift costs the more the more the cables pull.
-            let needed = of_error * BETWEEN.max(greatest / at_rest) + held;
-            if needed <= (kept - unknown).max(0.0) {
-                let direction = to.minus(from) / way.length();
-                return Some(Leg { way, timing, begin, from: *from, direction, held });
+            let kept = margins.kept(spare);
+            let Timed { way, timing, held, greatest, disturbed } =
+                self.timed((&places[0], last), path, kept, now.hold, work)?;
+            if margins.are_kept(kept, held, greatest) {
+                return Some(Leg { way, timing, begin, held, kept: kept + disturbed });
             }
-            spare = MORE * needed;
+            spare = MORE * margins.needed(held, greatest);
         }
         None
     }
 
+    /// What is to be left to the limits on a way by these places.
+    fn margins(&self, error: &Error, places: &[Pose]) -> Option<Margins> {
+        let (mut of_error, mut at_rest) = (0.0f64, f64::INFINITY);
+        for place in places {
+            of_error = of_error.max(self.cost_of_error(place, error)?);
+            at_rest = at_rest.min(self.greatest_at_rest(place)?);
+        }
+        let unknown = places.windows(2).map(|ends| self.unknown_on_the_way(&ends[0], &ends[1]));
+        let unknown = unknown.fold(0.0, f64::max);
+        // Where less is left at rest, no more is asked for.
+        let most = (LEFT * self.known_margin_at(places.first()?)).max(0.0);
+        Some(Margins { of_error, unknown, at_rest, most })
+    }
+
     /// The fastest motion that keeps `spare` (N) from the limits, with commands that are held for `hold` (s): in closed form where that knows the way, else on a grid.
-    fn timed(&self, ends: (&Pose, &Pose), spare: f64, hold: f64, work: &mut Work) -> Option<Timed> {
-        let shape = self.shape.filter(|shape| is_level(shape, ends.0) && is_level(shape, ends.1));
+    fn timed(
+        &self,
+        ends: (&Pose, &Pose),
+        path: &Path,
+        spare: f64,
+        hold: f64,
+        work: &mut Work,
+    ) -> Option<Timed> {
+        let is_line =
+            |shape: &Shape| path.way.is_straight() && is_level(shape, ends.0) && is_level(shape, ends.1);
+        let shape = self.shape.filter(is_line);
         let in_closed_form = shape.and_then(|shape| self.along_a_line(&shape, ends, spare, hold));
-        in_closed_form.or_else(|| self.along_a_path(ends, spare, hold, work))
+        in_closed_form.or_else(|| {
+            let path = Path { limits: self.limits(spare), ..path.clone() };
+            self.along_a_path(path, hold, work)
+        })
     }
 
     /// Of the paper's robot without a turn. What is estimated to disturb is not in the closed form: more is left to the limits.
@@ -132,24 +286,40 @@ impl Planner {
         let [first, second] = line.derivatives(&timing);
         let [change, greatest] = line.extent(&timing);
         let held = self.cost_of(hold, [first, second, change]);
-        Some(Timed { way: course::Way::Line(line), timing, held, greatest })
+        let section = Section::straight(from, &(to.minus(from) / line.length()));
+        Some(Timed { way: course::Way::Line(line, section), timing, held, greatest, disturbed })
     }
 
-    /// Of any rig.
-    fn along_a_path(
-        &self,
-        (from, to): (&Pose, &Pose),
-        spare: f64,
-        hold: f64,
-        work: &mut Work,
-    ) -> Option<Timed> {
-        let way = to.minus(from);
-        let [linear, angular] = [way.fixed_rows::<3>(0).norm(), way.fixed_rows::<3>(3).abs().sum()];
+    /// A way of any rig, with the least that is left to the limits.
+    fn path(&self, way: Track) -> Path {
+        let [linear, angular] = way.steepest();
         let fastest = self.greatest_speed(linear, angular);
-        let path = Path { from: *from, way, limits: self.limits(spare), fastest: fastest * fastest };
+        Path { way, limits: self.limits(self.allowance()), fastest: fastest * fastest }
+    }
+
+    /// The way bent upwards by as much of `lift` half-way as makes it quickest, before anything is proved; `None` where straight on is quickest, and where that was
+    /// looked for already.
+    fn bent(&self, (from, to): (&Pose, &Pose), work: &mut Work) -> Option<Path> {
+        let lift = self.parameters.lift;
+        if lift == 0.0 || !work.may_bend() {
+            return None;
+        }
+        let up = self.rig().gravity.try_normalize(0.0)? * -lift;
+        let by = |k: i32| {
+            let mut bump = Coordinates::zeros();
+            bump.fixed_rows_mut::<3>(0).copy_from(&(up * (f64::from(k) / f64::from(HEIGHTS - 1))));
+            let path = self.path(Track::bent(from, to, &bump));
+            Some((k, path.quickest(self.rig())?, path))
+        };
+        let found = (0..HEIGHTS).filter_map(by).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (found.0 > 0).then_some(found.2)
+    }
+
+    /// Along a way of any rig.
+    fn along_a_path(&self, path: Path, hold: f64, work: &mut Work) -> Option<Timed> {
         let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
-        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest() })
+        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest(), disturbed: 0.0 })
     }
 
     /// The greatest tension at rest, N.
@@ -202,6 +372,11 @@ impl Planner {
         }
         Some(Sensitivity::new(self.rig(), at)?.of_wrench(&disturbance))
     }
+}
+
+/// A line takes all that its limits leave; what is added needs a little of it. 1 where a leg is one, else 0.
+fn of_lines(course: &Course) -> f64 {
+    f64::from(course.legs().iter().any(|leg| matches!(leg.way, course::Way::Line(..))))
 }
 
 fn is_level(shape: &Shape, pose: &Pose) -> bool {

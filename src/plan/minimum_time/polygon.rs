@@ -5,6 +5,9 @@ use arrayvec::ArrayVec;
 /// Corners kept: every condition that cuts adds one at most, and few of them do.
 const MOST_CORNERS: usize = 48;
 
+/// Two corners that differ by less than this, as a share of what they are, are one: the line through them says nothing.
+const ROUNDING: f64 = 1e-12;
+
 /// Corners in order round it; none where it is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
@@ -82,7 +85,8 @@ impl Polygon {
             // Inside is on the left of each edge: (a1 - a0)(x - x0) - (x1 - x0)(a - a0) ≥ 0.
             let (across, along) = (x1 - x0, a1 - a0);
             let at_next = Condition { a: across, x: -along, bound: across * a0 - along * x0 };
-            if across == 0.0 && along == 0.0 {
+            let is_rounding = |length: f64, a: f64, b: f64| length.abs() <= ROUNDING * a.abs().max(b.abs());
+            if is_rounding(along, *a0, a1) && is_rounding(across, *x0, x1) {
                 continue;
             }
             self.clip(&Condition { a: at_next.a + 2.0 * ds * at_next.x, ..at_next });
@@ -143,6 +147,20 @@ mod tests {
             }
         }
         assert!(kept > 500, "{kept}");
+    }
+
+    /// An edge as short as rounding pointed anywhere, and left nothing of what led there: ways of eight cables along an axis had no motion.
+    #[test]
+    fn corners_that_are_one_but_for_rounding_cut_nothing() {
+        let corner: f64 = -37.807_663_675_714_63;
+        let next = Polygon {
+            corners: [[-41.8, 0.0], [32.5, 0.0], [32.5, 0.0], [corner, 131.917], [corner.next_up(), 131.917]]
+                .into_iter()
+                .collect(),
+        };
+        let mut here = Polygon::rectangle(30.0, 120.0);
+        here.clip_to_reach(&next, 0.015);
+        assert!(here.has_rest() && here.highest().unwrap() > 100.0);
     }
 
     #[test]

@@ -1,30 +1,28 @@
-//! The proof along a straight way through the six coordinates, in pieces of constant acceleration.
+//! The proof along a way through the six coordinates, or a sum of ways, piece by piece.
+
+use arrayvec::ArrayVec;
 
 use super::motion::{Motion, Span};
+use super::part::Part;
 use super::search::{Finding, judge};
 use super::statics::cables;
 use super::taylor::Taylor;
 use super::{Range, redundant};
 use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
+/// Motions that are summed.
+pub const MOST_PARTS: usize = 4;
 /// Halvings of a piece before it counts as not proved.
 const MOST_HALVINGS: i32 = 10;
 
-/// q = `from` + `way` s with s(t) = `s` + `v` t + `a` t²/2, for `duration` seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A part, or the sum of some, for `duration` seconds.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// m, rad.
-    pub from: Pose,
-    /// Of the coordinates, for s from 0 to 1: m, rad.
-    pub way: Coordinates,
-    /// At its beginning.
-    pub s: f64,
-    /// 1/s.
-    pub v: f64,
-    /// 1/s².
-    pub a: f64,
+    parts: ArrayVec<Part, MOST_PARTS>,
+    /// Added to their sum, m and rad.
+    offset: Coordinates,
     /// s.
-    pub duration: f64,
+    duration: f64,
 }
 
 /// What was seen of the tensions on proved pieces.
@@ -69,6 +67,18 @@ impl Seen {
 }
 
 impl Piece {
+    /// One part alone.
+    pub fn new(part: Part, duration: f64) -> Self {
+        Self { parts: [part].into_iter().collect(), offset: Coordinates::zeros(), duration }
+    }
+
+    /// With another part, counted from `rest`. `None` with more than [`MOST_PARTS`].
+    pub fn and(mut self, part: Part, rest: &Pose) -> Option<Self> {
+        self.parts.try_push(part).ok()?;
+        self.offset -= rest.0;
+        Some(self)
+    }
+
     /// Whether every tension of the piece is proved to be strictly within `limits`; of more than six cables, whether it can be. Looks at no more than `spans`
     /// spans of time, and takes those from it. The tensions shown are added to `seen`.
     pub fn is_proved(
@@ -125,23 +135,24 @@ impl Piece {
 
     /// Within `half` s of an instant.
     fn motion(&self, middle: f64, half: f64) -> Motion {
-        let Self { from, way, s, v, a, .. } = self;
-        let (at, speed) = (s + v * middle + 0.5 * a * middle * middle, v + a * middle);
-        let rounding = 8.0 * f64::EPSILON * (s.abs() + (v * middle).abs() + (a * middle * middle).abs());
-        let mut place = Taylor::ball(at, rounding);
-        (place.coefficients[1], place.coefficients[2]) = (speed * half, 0.5 * a * half * half);
-        let mut rate = Taylor::ball(speed, 8.0 * f64::EPSILON * (v.abs() + (a * middle).abs()));
-        rate.coefficients[1] = a * half;
-        Motion {
-            coordinates: std::array::from_fn(|k| place * way[k] + Taylor::constant(from.0[k])),
-            rates: std::array::from_fn(|k| rate * way[k]),
-            accelerations: std::array::from_fn(|k| Taylor::constant(*a) * way[k]),
+        let nothing = [Taylor::ZERO; 6];
+        let coordinates = std::array::from_fn(|k| Taylor::constant(self.offset[k]));
+        let mut sum = Motion { coordinates, rates: nothing, accelerations: nothing };
+        for part in &self.parts {
+            let led = part.led(middle, half);
+            for (k, [coordinate, rate, acceleration]) in led.into_iter().enumerate() {
+                sum.coordinates[k] = sum.coordinates[k] + coordinate;
+                sum.rates[k] = sum.rates[k] + rate;
+                sum.accelerations[k] = sum.accelerations[k] + acceleration;
+            }
         }
+        sum
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::section::Section;
     use super::*;
     use crate::control::tensions;
     use crate::robot::RigFile;
@@ -153,20 +164,34 @@ mod tests {
         let rig = RigFile::default().rig;
         let mut rng = rand_pcg::Pcg64::seed_from_u64(2);
         let (mut proved, mut missed) = (0, 0);
-        for _ in 0..400 {
+        for run in 0..400 {
             let mut any = |size: f64| rng.random_range(-size..size);
             let from =
                 Pose(Coordinates::new(any(0.1), any(0.1), 1.0 + any(0.2), any(0.1), any(0.1), any(0.4)));
-            let way = Coordinates::from_fn(|k, _| any(if k < 3 { 0.3 } else { 0.5 }));
-            let piece =
-                Piece { from, way, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), duration: 0.06 + any(0.05) };
+            let mut way = || Coordinates::from_fn(|k, _| any(if k < 3 { 0.3 } else { 0.5 }));
+            let mut section = Section::straight(&from, &way());
+            if run % 2 == 1 {
+                section = Section { begin: 0.1, coefficients: [from.0, way(), way(), way()] };
+            }
+            let beta = if run % 3 == 0 { any(60.0) } else { 0.0 };
+            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), beta };
+            let (first, second, duration) = (part(), part(), 0.06 + any(0.05));
+            let mut piece = Piece::new(first, duration);
+            if run % 4 >= 2 {
+                piece = piece.and(second, &section.pose(second.s)).unwrap();
+            }
             let mut seen = Seen::none(&rig);
             let found = piece.is_proved(&rig, &rig.limits(), &mut 100, &mut seen);
             let margin = (0..=200).map(|k| {
                 let t = piece.duration * f64::from(k) / 200.0;
-                let (s, v) = (piece.s + piece.v * t + 0.5 * piece.a * t * t, piece.v + piece.a * t);
-                let tension =
-                    tensions(&rig, &Pose(from.0 + way * s), &(way * v), &(way * piece.a), 0.0).unwrap();
+                let mut sum = [piece.offset, Coordinates::zeros(), Coordinates::zeros()];
+                for Part { section, s, v, a, beta } in &piece.parts {
+                    let [s, v, a] = super::super::part::along([*s, *v, *a], *beta, t);
+                    let (slope, bend) = (section.slope(s), section.bend(s));
+                    let led = [section.pose(s).0, slope * v, slope * a + bend * (v * v)];
+                    sum = std::array::from_fn(|order| sum[order] + led[order]);
+                }
+                let tension = tensions(&rig, &Pose(sum[0]), &sum[1], &sum[2], 0.0).unwrap();
                 tension.into_iter().map(|u| u.min(100.0 - u)).fold(f64::INFINITY, f64::min)
             });
             let margin = margin.fold(f64::INFINITY, f64::min);

@@ -7,8 +7,10 @@
 pub mod along;
 pub mod margins;
 pub mod motion;
+pub mod part;
 pub mod redundant;
 pub mod search;
+pub mod section;
 pub mod statics;
 pub mod taylor;
 

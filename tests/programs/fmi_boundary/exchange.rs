@@ -2,6 +2,8 @@
 
 use cable_robot_bindings::fmi2::fmi2EventInfo;
 use cable_robot_fmi::abi::{fmi2_exchange::*, fmi3_exchange::*};
+use cable_robot_fmi::models::Scalar;
+use cable_robot_fmi::variables::{Causality, Kind};
 use cable_robot_fmi::{Model, Use};
 
 use crate::slave::{BOTH, DISCARD, ERROR, Fmi, Messages, OK, Slave, Three, Two, instantiate};
@@ -279,6 +281,50 @@ fn directional_derivatives_are_differences_in_the_limit() {
             assert_eq!(slave.direction(&[unknown], &[known], &[1.0]).0, ERROR);
             assert!(slave.last_message().contains(name), "{}", slave.last_message());
         }
+    }
+}
+
+/// InitialUnknowns name parameters, the initial pose and inputs: a derivative with respect to one of these ended the instance.
+#[test]
+fn in_initialization_mode_derivatives_with_respect_to_the_start_are_differences_in_the_limit() {
+    const STEP: f64 = 1e-6;
+    for fmi in BOTH {
+        let slave = Slave::new(fmi, Model::PlantExchange);
+        let interface = Model::PlantExchange.interface();
+        assert_eq!(slave.enter(0.0, None) + slave.set("friction", 0.3), OK);
+        let turned = [("x", 0.05), ("roll", 0.1), ("pitch", -0.2), ("yaw", 0.3)];
+        for (name, value) in turned {
+            assert_eq!(slave.set(&format!("initialPose.{name}"), value), OK);
+        }
+        let is_real = |scalar: &Scalar| matches!(scalar.row.kind, Kind::Float64);
+        let references = |wanted: fn(Causality) -> bool| -> Vec<u32> {
+            let scalars = interface.scalars().filter(|scalar| wanted(scalar.row.causality));
+            scalars.filter(is_real).map(|scalar| scalar.reference).collect()
+        };
+        let unknown = references(|causality| matches!(causality, Causality::Output | Causality::Local));
+        let known = references(|causality| matches!(causality, Causality::Parameter | Causality::Input));
+        assert_eq!((unknown.len(), known.len()), (56, 26));
+        for &known in &known {
+            let (_, start) = slave.get_reals(&[known]);
+            let at = |by: f64| {
+                assert_eq!(slave.set_reals(&[known], &[start[0] + by]), OK);
+                slave.get_reals(&unknown).1
+            };
+            let step = if known == slave.reference("friction") { 0.0 } else { STEP };
+            let (after, before) = (at(step), at(-step));
+            assert_eq!(slave.set_reals(&[known], &start), OK);
+            let (status, said) = slave.direction(&unknown, &[known], &[1.0]);
+            assert_eq!(status, OK, "{}", slave.last_message());
+            for (i, said) in said.iter().enumerate() {
+                let seen = (after[i] - before[i]) / (2.0 * STEP);
+                assert!(
+                    (said - seen).abs() < 1e-6 * (1.0 + seen.abs()),
+                    "{known} {}: {said} {seen}",
+                    unknown[i]
+                );
+            }
+        }
+        assert_eq!(slave.exit(), OK);
     }
 }
 

@@ -31,6 +31,33 @@ fn no_real_takes_a_number_that_is_none() {
     }
 }
 
+/// A disturbance of 1e160 N gave lengths of inf, a mass of 1e160 kg a margin of inf, with status OK.
+#[test]
+fn numbers_beyond_any_rig_give_no_infinite_result() {
+    for (fmi, model) in all_pairs() {
+        let outputs: Vec<u32> = reals(model, Causality::Output).into_iter().map(|(_, at)| at).collect();
+        let set = [Causality::Parameter, Causality::Input].map(|causality| reals(model, causality));
+        for (name, reference) in set.into_iter().flatten() {
+            for value in [1e155, -1e160, 1e300, f64::MAX, f64::MIN] {
+                let slave = Slave::new(fmi, model);
+                assert_eq!(slave.set_reals(&[reference], &[value]), OK);
+                let mut status = slave.enter(0.0, None);
+                status = if status == OK { slave.exit() } else { status };
+                for k in 0..5 {
+                    if status != OK {
+                        break;
+                    }
+                    let (read, results) = slave.get_reals(&outputs);
+                    assert_eq!(read, OK);
+                    assert!(results.iter().all(|x| x.is_finite()), "{name} = {value}: {results:?}");
+                    status = slave.step(f64::from(k) * 0.01, 0.01);
+                }
+                assert!(status == OK || !slave.last_message().is_empty());
+            }
+        }
+    }
+}
+
 #[test]
 fn pointers_are_checked() {
     let mut value = 0.0;

@@ -137,24 +137,29 @@ impl Instance {
             name: scalar.name(),
             role,
         };
+        // What depends on the start is asked for where the start may still change.
+        let initial = self.now.state == State::Initialization;
         let is_state =
             |scalar: &Scalar| exchange::STATES.iter().any(|(row, _)| row.first == scalar.row.first);
         let is_unknown = |scalar: &Scalar| {
-            let causality = scalar.row.causality;
+            let calculated = matches!(scalar.row.causality, Causality::Output | Causality::Local);
             let real = matches!(scalar.row.kind, crate::variables::Kind::Float64);
-            real && (causality == Causality::Output || causality == Causality::Local && !is_state(scalar))
+            real && calculated && (initial || !is_state(scalar))
         };
         if let Some(scalar) = unknown.iter().find(|scalar| !is_unknown(scalar)) {
-            return Err(refused(scalar, "unknown: those are real outputs, derivatives and event indicators"));
+            let role = "unknown: those are real outputs, derivatives and event indicators, and states in Initialization Mode";
+            return Err(refused(scalar, role));
         }
         if let Some((scalar, seed)) = known.iter().zip(seed).find(|(_, seed)| !seed.is_finite()) {
             return Err(FmiError::bad_value(scalar, *seed));
         }
         self.ready(&unknown)?;
         let mut changes = self.now.values.clone();
-        if let Some(plant) = self.plant() {
-            exchange::vary(plant, &mut changes, &known, seed)
-                .map_err(|scalar| refused(&scalar, "known variable: those are states and real inputs"))?;
+        if let Some(Running::PlantExchange(plant)) = &self.now.running {
+            exchange::vary(&self.interface, plant, &mut changes, &known, seed, initial).map_err(|scalar| {
+                let role = "known variable: those are states and real inputs, and real parameters in Initialization Mode";
+                refused(&scalar, role)
+            })?;
         }
         let references: Vec<u32> = unknown.iter().map(|scalar| scalar.reference).collect();
         check_finite(&references, &self.interface, &changes)?;

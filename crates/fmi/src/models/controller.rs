@@ -96,6 +96,7 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         max_speed: values.scalar(&MAX_SPEED),
         max_angular_rate: values.scalar(&MAX_ANGULAR_RATE),
         max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
+        lift: values.scalar(&LIFT),
         largest_step: values.scalar(&LARGEST_STEP),
     }
 }
@@ -151,19 +152,24 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&ESTIMATED_VELOCITY, outputs.estimated_velocity.iter().copied());
     values.write(&STEADY, [outputs.steady.into()]);
     values.write(&AT_GOAL, [outputs.at_goal.into()]);
-    values.write(&TENSION_MARGIN, [outputs.tension_margin]);
+    values.write(&TENSION_MARGIN, [finite(outputs.tension_margin)]);
     values.write(&STATUS, [f64::from(outputs.status as i32)]);
     values.write(&STATUS_NUMBER, [f64::from(outputs.status as i32)]);
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
     values.write(&FAULT, [f64::from(outputs.fault.check as i32)]);
     values.write(&FAULT_NUMBER, [f64::from(outputs.fault.check as i32)]);
-    values.write(&FAULT_VALUE, [outputs.fault.value]);
+    values.write(&FAULT_VALUE, [finite(outputs.fault.value)]);
     values.write(&FAULT_LIMIT, [outputs.fault.limit]);
     let [force, torque] = [0, 3].map(|k| outputs.disturbance.fixed_rows::<3>(k).into_owned());
     values.write(&DISTURBANCE_FORCE, force.iter().copied());
     values.write(&DISTURBANCE_TORQUE, torque.iter().copied());
     values.write(&ESTIMATED_MASS, [outputs.estimated_mass]);
     values.write(&PARAMETERS_PENDING, [f64::from(outputs.pending as i32)]);
+}
+
+/// FMI knows no infinite numbers; what overflows is beyond every limit as the greatest number too.
+fn finite(value: f64) -> f64 {
+    value.clamp(f64::MIN, f64::MAX)
 }
 
 /// Copies the settings into `values`, but for the rig.
@@ -189,6 +195,7 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&MAX_SPEED, [parameters.max_speed]);
     values.write(&MAX_ANGULAR_RATE, [parameters.max_angular_rate]);
     values.write(&MAX_CABLE_SPEED, [parameters.max_cable_speed]);
+    values.write(&LIFT, [parameters.lift]);
     values.write(&LARGEST_STEP, [parameters.largest_step]);
 }
 

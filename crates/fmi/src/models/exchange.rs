@@ -3,7 +3,7 @@
 use super::plant::{
     ANGULAR_VELOCITY, CABLE_LENGTH, DISTURBANCE_FORCE, DISTURBANCE_TORQUE, ENCODER_POSE, FRICTION,
     INITIAL_POSE, MEASURED_TENSION, MOTOR_TENSION, SLACK, VELOCITY, checked_parameters, inputs,
-    write as write_outputs,
+    plant_parameters, write as write_outputs,
 };
 use super::robot::{A, ANCHOR, ATTACHMENT, B, G, GRAVITY, I1, I2, I3, INERTIA, M, MASS, TIME};
 use super::{Interface, Scalar};
@@ -14,8 +14,8 @@ use crate::variables::units::{
 use crate::variables::{Row, Shape, local};
 use cable_robot::robot::ParameterError;
 use cable_robot::sim::body::State;
-use cable_robot::sim::variation::{Change, Effect};
-use cable_robot::sim::{ContinuousPlant, PlantInputs};
+use cable_robot::sim::variation::{Change, Effect, ParameterChange, of_rest};
+use cable_robot::sim::{ContinuousPlant, PlantParameters};
 
 const STATE_POSITION: Row =
     local(600, "state.position", Shape::Vector, Some(&METRE), &[&INITIAL_POSE], "Centre of mass, base frame");
@@ -169,47 +169,74 @@ fn write_state(state: &State, values: &mut Values, of: fn((&'static Row, &'stati
     }
 }
 
-/// By how much the variables change when the `known` ones, states and real inputs, do by the `seed`. Written where the variables themselves stand in
-/// `values`.
+/// By how much the variables change when the `known` ones, states and real inputs, do by the `seed`; with the initial pose and the parameters that
+/// equations are smooth in where `initial` says so. Written where the variables themselves stand in `values`.
 ///
 /// # Errors
-/// The first known variable that is neither.
+/// The first known variable that is none of these.
 pub fn vary(
+    interface: &Interface,
     plant: &ContinuousPlant,
     values: &mut Values,
     known: &[Scalar],
     seed: &[f64],
+    initial: bool,
 ) -> Result<(), Scalar> {
-    let at = inputs(values);
-    let mut by =
-        Change { state: State::zeros(), inputs: PlantInputs::none(values.cables(&MOTOR_TENSION).len()) };
-    for (scalar, seed) in known.iter().zip(seed) {
-        *place(&mut by, scalar).ok_or(*scalar)? += *seed;
+    let allowed = |scalar: &&Scalar| {
+        let is_one_of = |rows: &[&Row]| rows.iter().any(|row| row.first == scalar.row.first);
+        is_one_of(&INPUTS) || is_one_of(&STATES.map(|(state, _)| state)) || initial && is_one_of(&SMOOTH)
+    };
+    if let Some(refused) = known.iter().find(|scalar| !allowed(scalar)) {
+        return Err(*refused);
     }
-    let Effect { derivative, pull, outputs } = plant.vary(&at, &by);
+    // Everything is linear in these numbers, so changes are read as the values themselves are.
+    let mut seeds = Values::zero(interface.rows(), interface.cables());
+    for (scalar, seed) in known.iter().zip(seed) {
+        seeds.put(scalar.reference, seeds.at(scalar.reference) + seed);
+    }
+    let parameters = plant_parameters(interface, &seeds);
+    let own = read_state(&seeds);
+    let state = own + of_rest(&values.pose(&INITIAL_POSE), &parameters.initial_pose.0);
+    let by = Change { state, inputs: inputs(&seeds), parameters: change_of(&parameters) };
+    let Effect { derivative, pull, outputs } = plant.vary(&inputs(values), &by);
     write_outputs(&outputs, values);
+    write_state(&state, values, |(state, _)| state);
     write_state(&derivative, values, |(_, rate)| rate);
     values.write(&PULL, pull);
     Ok(())
 }
 
-/// Where a change of a known variable goes.
-fn place<'a>(by: &'a mut Change, scalar: &Scalar) -> Option<&'a mut f64> {
-    let Scalar { row, position, .. } = *scalar;
-    let inputs = &mut by.inputs;
-    match row.first {
-        first if first == MOTOR_TENSION.first => Some(&mut inputs.motor_tension[position]),
-        first if first == DISTURBANCE_FORCE.first => Some(&mut inputs.disturbance_force[position]),
-        first if first == DISTURBANCE_TORQUE.first => Some(&mut inputs.disturbance_torque[position]),
-        first => {
-            let mut before = 0;
-            for (state, _) in STATES {
-                if state.first == first {
-                    return Some(&mut by.state[before + position]);
-                }
-                before += state.count(0);
-            }
-            None
-        }
+const INPUTS: [&Row; 3] = [&MOTOR_TENSION, &DISTURBANCE_FORCE, &DISTURBANCE_TORQUE];
+const SMOOTH: [&Row; 14] = [
+    &A,
+    &B,
+    &M,
+    &I1,
+    &I2,
+    &I3,
+    &G,
+    &MASS,
+    &INERTIA,
+    &GRAVITY,
+    &ANCHOR,
+    &ATTACHMENT,
+    &INITIAL_POSE,
+    &FRICTION,
+];
+
+fn read_state(values: &Values) -> State {
+    let places = STATES.into_iter().flat_map(|(row, _)| (0..row.count(0)).map(|k| row.reference(k)));
+    State::from_iterator(places.map(|reference| values.at(reference)))
+}
+
+fn change_of(parameters: &PlantParameters) -> ParameterChange {
+    let rig = &parameters.rig;
+    ParameterChange {
+        anchor: rig.cables.map(|cable| cable.anchor),
+        attachment: rig.cables.map(|cable| cable.attachment),
+        mass: rig.mass,
+        inertia: rig.inertia,
+        gravity: rig.gravity,
+        friction: parameters.friction,
     }
 }

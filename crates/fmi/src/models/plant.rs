@@ -177,7 +177,7 @@ pub(super) fn checked_parameters(
     Ok(plant_parameters(interface, values))
 }
 
-fn plant_parameters(interface: &Interface, values: &Values) -> PlantParameters {
+pub(super) fn plant_parameters(interface: &Interface, values: &Values) -> PlantParameters {
     let default = PlantParameters::default();
     PlantParameters {
         rig: match interface.rig() {

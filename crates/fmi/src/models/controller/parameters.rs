@@ -191,6 +191,16 @@ pub const MAX_CABLE_SPEED: Row = Row {
         "Greatest speed of a cable, 0 for no limit: the planner Exact heeds it",
     )
 };
+pub const LIFT: Row = Row {
+    min: Some(0.0),
+    ..parameter(
+        32,
+        "lift",
+        &METRE,
+        &[0.0],
+        "By how much the platform may rise above the straight way to be quicker, 0 for not at all: the planner MinimumTime alone heeds it",
+    )
+};
 pub const LARGEST_STEP: Row = Row {
     min: Some(0.0),
     ..parameter(
@@ -209,7 +219,7 @@ pub const PLANNER_NUMBER: Row = Row {
         "plannerNumber",
         Kind::Int32,
         &[0.0],
-        "planner, for importers that know no enumerations; 0: as planner says",
+        "planner, for importers that know no enumerations: one of its numbers, or 0: as planner says",
     )
 };
 pub const POSE_SOURCE_NUMBER: Row = Row {
@@ -220,6 +230,6 @@ pub const POSE_SOURCE_NUMBER: Row = Row {
         "poseSourceNumber",
         Kind::Int32,
         &[0.0],
-        "poseSource, for importers that know no enumerations; 0: as poseSource says",
+        "poseSource, for importers that know no enumerations: one of its numbers, or 0: as poseSource says",
     )
 };

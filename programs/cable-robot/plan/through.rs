@@ -1,0 +1,66 @@
+//! A plan by way of other poses, without a stop.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use cable_robot::plan::ControllerParameters;
+use cable_robot::plan::through::{NoWay, Through};
+use cable_robot::robot::Pose;
+use serde_json::{Value, json};
+
+use super::Plan;
+use super::show::{described, pose, tension};
+use crate::rig::require_below;
+use crate::{Outcome, metres, print, print_json};
+
+pub fn run(plan: &Plan, parameters: &ControllerParameters) -> Result<Outcome> {
+    for pose in &plan.through {
+        require_below(&parameters.rig, "--through", pose)?;
+    }
+    let poses: Vec<Pose> = [plan.from].iter().chain(&plan.through).chain([&plan.to]).copied().collect();
+    let found = Through::new(parameters, &poses);
+    match (&found, plan.json) {
+        (Err(NoWay::Poses), _) => return Err(NoWay::Poses.into()),
+        (_, true) => print_json(&as_json(&poses, &found))?,
+        (_, false) => print(&as_text(&poses, &found))?,
+    }
+    Ok(if found.is_ok() { Outcome::Done } else { Outcome::NotReachable })
+}
+
+/// When each pose is passed, s.
+fn times(found: &Through) -> Vec<f64> {
+    [0.0].into_iter().chain(found.course.passes()).chain([found.course.end()]).collect()
+}
+
+/// m/s.
+fn speed(found: &Through, time: f64) -> f64 {
+    found.course.at(time).rates.fixed_rows::<3>(0).norm()
+}
+
+fn as_text(poses: &[Pose], found: &Result<Through, NoWay>) -> String {
+    let found = match found {
+        Ok(found) => found,
+        Err(why) => return format!("{why}\n"),
+    };
+    let mut text = String::from(
+        "passes\n  after (s)  speed (m/s)      x (m)     y (m)     z (m) roll (rad)     pitch       yaw\n",
+    );
+    for (pose, time) in poses.iter().zip(times(found)) {
+        let row: Vec<_> = pose.0.iter().map(|coordinate| metres(*coordinate)).collect();
+        let _ = writeln!(text, "  {time:9.4}  {:11.4}  {}", speed(found, time), row.join(" "));
+    }
+    let _ = writeln!(text, "smallest tension: {}", described(&found.smallest));
+    text + "the goal is reached, every tension on the way is proved to keep its limits\n"
+}
+
+fn as_json(poses: &[Pose], found: &Result<Through, NoWay>) -> Value {
+    let at = |(at, time)| json!({ "pose": pose(at), "time": time });
+    let passes = |found: &Through| poses.iter().zip(times(found)).map(at).collect::<Vec<_>>();
+    json!({
+        "reachable": found.is_ok(),
+        "passes": found.as_ref().ok().map(passes),
+        "duration": found.as_ref().ok().map(|found| found.course.end()),
+        "smallestTension": found.as_ref().ok().map(|found| tension(&found.smallest)),
+        "obstacle": found.as_ref().err().map(NoWay::to_string),
+    })
+}
