@@ -39,6 +39,7 @@ mod tests {
             rig: "Table I".to_owned(),
             controller,
             plant,
+            orbit: None,
             goals: vec![goal(0.0, 0.1, 0.1), goal(0.75 * duration, -0.1, 0.05)],
             disturbances: vec![],
             duration,

@@ -184,6 +184,7 @@ impl Simulate {
             rig: file.name,
             plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
             controller,
+            orbit: None,
             goals: vec![Goal { time: 0.0, pose: to }],
             disturbances: vec![],
             duration: self.duration,
@@ -195,7 +196,7 @@ impl Simulate {
     fn models(&self, scenario: &Scenario) -> Result<Models> {
         let (controller, plant) = library_models(scenario)?;
         let mut models = Models {
-            controller: Box::new(controller),
+            controller,
             plant: Box::new(plant),
             controller_info: run_folder::Model::Library,
             plant_info: run_folder::Model::Library,

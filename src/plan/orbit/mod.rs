@@ -1,6 +1,7 @@
 //! Periodic motions that may leave the static workspace: circles, lines and hypotrochoids that begin and end at rest in their centre. Derived in docs/orbit.md.
 
 mod certificate;
+mod follower;
 mod proof;
 mod ramp;
 
@@ -9,9 +10,14 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Reference;
+use crate::robot::parameters::require;
 use crate::robot::{ParameterError, Pose, Rig};
+pub use follower::Follower;
 pub use proof::{OrbitError, Part, Proof, Refusal};
 use ramp::Ramp;
+
+/// Turns; stops are proved one by one on the way up.
+const LONGEST_START: f64 = 40.0;
 
 /// What an orbit draws about its centre, in the level coordinates x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,25 +116,24 @@ impl Orbit {
     /// # Errors
     /// [`ParameterError`] with the number's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        let positive = |name: &'static str, value: f64, unit: &str| {
-            let ok = value.is_finite() && value > 0.0;
-            ok.then_some(()).ok_or_else(|| refused(name, value, &format!("must be greater than 0 ({unit})")))
+        let positive = |name: &'static str, value: f64, allowed: &'static str| {
+            require(value.is_finite() && value > 0.0, name, value, allowed)
         };
-        positive("radius", self.figure.radius(), "m")?;
-        positive("rate", self.rate, "rad/s")?;
-        positive("turns", self.turns, "turns at full size")?;
-        positive("start", self.start, "s")?;
+        positive("radius", self.figure.radius(), "must be greater than 0 (m)")?;
+        positive("rate", self.rate, "must be greater than 0 (rad/s)")?;
+        let turns = "must be greater than 0 and at most 1,000,000";
+        require(self.turns > 0.0 && self.turns <= 1e6, "turns", self.turns, turns)?;
+        positive("start", self.start, "must be greater than 0 (s)")?;
+        let longest = LONGEST_START * self.period();
+        require(self.start <= longest, "start", self.start, "must take no longer than 40 turns (s)")?;
         match self.figure {
             Figure::Circle { .. } => Ok(()),
             Figure::Line { direction, .. } => {
-                let ok = direction.is_finite();
-                ok.then_some(()).ok_or_else(|| refused("direction", direction, "must be finite (rad)"))
+                require(direction.is_finite(), "direction", direction, "must be finite (rad)")
             }
             Figure::Hypotrochoid { share, lobes, .. } => {
-                positive("share", share, "of the radius")?;
-                let ok = (2..=MOST_LOBES).contains(&lobes);
-                let allowed = format!("must be from 2 to {MOST_LOBES}");
-                ok.then_some(()).ok_or_else(|| refused("lobes", lobes.into(), &allowed))
+                positive("share", share, "must be greater than 0 (of the radius)")?;
+                require((2..=100).contains(&lobes), "lobes", lobes.into(), "must be from 2 to 100")
             }
         }
     }
@@ -162,13 +167,6 @@ impl Orbit {
     fn down(&self, up: &Ramp, begin: f64) -> Ramp {
         Ramp::to_rest(up.at(begin), 0.0, begin, self.start)
     }
-}
-
-/// More have terms that change within a step of a controller.
-const MOST_LOBES: u32 = 100;
-
-fn refused(name: &'static str, value: f64, allowed: &str) -> ParameterError {
-    ParameterError { name: name.into(), value, allowed: allowed.to_owned().into() }
 }
 
 /// An orbit in time, up to rest: P = C + b(t) F(Ω (t - T₁)), Eq. (O2), where b grows from 0 to 1 and, from some time on, falls to 0.
