@@ -16,6 +16,12 @@ pub use follower::Follower;
 pub use proof::{OrbitError, Part, Proof, Refusal};
 use ramp::Ramp;
 
+/// Where no other number is given: turns at full size,
+pub const TURNS: f64 = 3.0;
+/// share and
+pub const SHARE: f64 = 0.15;
+/// lobes of a hypotrochoid.
+pub const LOBES: u32 = 3;
 /// Turns; stops are proved one by one on the way up.
 const LONGEST_START: f64 = 40.0;
 
@@ -96,7 +102,7 @@ pub struct Orbit {
     pub figure: Figure,
     /// Ω, rad/s.
     pub rate: f64,
-    /// Turns at full size.
+    /// Turns at full size. A line may have none: then it swings to its first end and back.
     pub turns: f64,
     /// T₁, how long it grows from the centre, s; a stop takes as long.
     pub start: f64,
@@ -116,16 +122,26 @@ impl Orbit {
     /// # Errors
     /// [`ParameterError`] with the number's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
+        self.validate_but_start()?;
+        let is_short = self.start <= LONGEST_START * self.period();
+        require(self.start > 0.0, "start", self.start, "must be greater than 0 (s)")?;
+        require(is_short, "start", self.start, "must take no longer than 40 turns (s)")
+    }
+
+    /// All but the start.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn validate_but_start(&self) -> Result<(), ParameterError> {
         let positive = |name: &'static str, value: f64, allowed: &'static str| {
             require(value.is_finite() && value > 0.0, name, value, allowed)
         };
         positive("radius", self.figure.radius(), "must be greater than 0 (m)")?;
         positive("rate", self.rate, "must be greater than 0 (rad/s)")?;
-        let turns = "must be greater than 0 and at most 1,000,000";
-        require(self.turns > 0.0 && self.turns <= 1e6, "turns", self.turns, turns)?;
-        positive("start", self.start, "must be greater than 0 (s)")?;
-        let longest = LONGEST_START * self.period();
-        require(self.start <= longest, "start", self.start, "must take no longer than 40 turns (s)")?;
+        let swings_back = matches!(self.figure, Figure::Line { .. }) && self.turns == 0.0;
+        let is_counted = swings_back || self.turns > 0.0 && self.turns <= 1e6;
+        let turns = "must be greater than 0 and at most 1,000,000, of a line 0 or greater";
+        require(is_counted, "turns", self.turns, turns)?;
         match self.figure {
             Figure::Circle { .. } => Ok(()),
             Figure::Line { direction, .. } => {

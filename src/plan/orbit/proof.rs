@@ -24,6 +24,8 @@ const BETWEEN: f64 = 2.0;
 /// Where errors and held commands cost more than was left for them, an orbit is proved again, with this many times as much.
 const MORE: f64 = 1.05;
 const PROOFS: usize = 2;
+/// Turns.
+const LONGEST_TRIED: f64 = 8.0;
 
 /// A proved orbit.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,14 +184,27 @@ impl Orbit {
         self.start - self.interval() * f64::from(k)
     }
 
-    /// The shortest start of those tried, from a quarter of a turn to eight turns, with which the orbit is proved.
+    /// The longest start that is tried, s.
+    pub fn longest_start(&self) -> f64 {
+        LONGEST_TRIED * self.period()
+    }
+
+    /// The shortest start of those tried, down from eight turns to a quarter of one, with which the orbit is proved.
     pub fn with_shortest_start(&self, parameters: &ControllerParameters, hold: f64) -> Option<Self> {
-        let start = |k: i32| self.period() * libm::exp2(0.125 * f64::from(k));
-        let tried = (-16..=24).map(|k| Self { start: start(k), ..*self });
+        let start = |k: i32| self.longest_start() * libm::exp2(-0.125 * f64::from(k));
+        let tried = (0..=40).rev().map(|k| Self { start: start(k), ..*self });
         // What is not proved at full size is not with any start.
         let mut tried = tried.map(|orbit| (orbit, orbit.prove(parameters, &Coordinates::zeros(), hold)));
         let (orbit, found) = tried.find(|(_, found)| found.is_ok() || !depends_on_start(found))?;
         found.is_ok().then_some(orbit)
+    }
+
+    /// The quickest from rest to rest, with the shortest start of each, of those at its own rate and at lower ones, down to half of it.
+    pub fn quickest(&self, parameters: &ControllerParameters, hold: f64) -> Option<Self> {
+        let slower = (0..=8).map(|k| Self { rate: self.rate * libm::exp2(-0.125 * f64::from(k)), ..*self });
+        let proved = slower.filter_map(|orbit| orbit.with_shortest_start(parameters, hold));
+        let duration = |orbit: &Self| orbit.trajectory().end();
+        proved.min_by(|a, b| duration(a).total_cmp(&duration(b)))
     }
 
     /// The largest radius with which it is proved, to a thousandth of its own, if a smaller one is.

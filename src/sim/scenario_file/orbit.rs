@@ -5,12 +5,8 @@ use toml::Spanned;
 use super::fields::{self, Shape};
 use super::{ScenarioFile, or, start_of};
 use crate::checked_toml::Refused;
-use crate::plan::orbit::{Figure, Orbit};
+use crate::plan::orbit::{Figure, LOBES, Orbit, SHARE, TURNS};
 use crate::robot::{ParameterError, Pose, Rig};
-
-const TURNS: f64 = 3.0;
-const SHARE: f64 = 0.15;
-const LOBES: u32 = 3;
 
 impl ScenarioFile {
     /// The orbit about `centre`, if one is given.
