@@ -1,18 +1,22 @@
 //! Orbits outside the static workspace: proofs against dense samples, the closed form against proofs, and the law that follows them.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
-use cable_robot::control::{static_tensions, tensions};
+use cable_robot::control::distribution::widest_margin;
+use cable_robot::control::{static_margin, static_tensions, swing, tensions};
 use cable_robot::plan::orbit::{Figure, Follower, Orbit, OrbitError, Part, Proof, Trajectory, reach_of_p};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, Status};
 use cable_robot::reach::Verdict;
+use cable_robot::robot::dynamics::required_wrench;
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RigFile};
-use cable_robot::sim::{ClosedLoop, ControllerModel, Plant, PlantInputs, PlantParameters};
+use cable_robot::sim::{ClosedLoop, Plant, PlantInputs, PlantParameters};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 const STEP: f64 = 1e-3;
+const NEVER: Range<f64> = f64::INFINITY..f64::INFINITY;
 
 /// The issue's circle: 0.4 m about the middle, of a hexagon of apothem 0.225 m.
 fn circle() -> Orbit {
@@ -120,14 +124,17 @@ fn what_the_closed_form_admits_is_proved() {
 struct Run {
     /// N.
     smallest: f64,
-    /// From the reference, m.
+    /// From the motion, m.
     farthest: f64,
     is_slack: bool,
     last: ControllerOutputs,
+    /// Where the motion ends, and three seconds later.
+    arrival: Pose,
     end: Pose,
 }
 
-fn follow(orbit: &Orbit, from: Pose, push: impl Fn(f64) -> Vector3<f64>) -> Run {
+/// The loop from rest at a pose.
+fn started(orbit: &Orbit, from: Pose) -> ClosedLoop<Follower> {
     let parameters = parameters();
     let plant = PlantParameters { rig: parameters.rig, initial_pose: from, ..PlantParameters::default() };
     let plant = Plant::new(plant, &PlantInputs::none(6)).unwrap();
@@ -139,25 +146,45 @@ fn follow(orbit: &Orbit, from: Pose, push: impl Fn(f64) -> Vector3<f64>) -> Run 
         enable: true,
     };
     let follower = Follower::new(orbit, &parameters, (0.0, STEP), &seen).unwrap();
-    let end = follower.proof().trajectory.end() + 4.0;
-    let mut closed = ClosedLoop::with_models(follower, plant, from, &PlantInputs::none(6)).unwrap();
+    ClosedLoop::with_models(follower, plant, from, &PlantInputs::none(6)).unwrap()
+}
+
+/// Pushed, and blind for some time (s): three seconds longer than `motion` takes.
+fn follow(closed: &mut ClosedLoop<Follower>, push: impl Fn(f64) -> Vector3<f64>, blind: Range<f64>) -> Run {
+    let proof = closed.controller.proof().clone();
+    let motion = proof.stopped(blind.start.min(proof.trajectory.end()));
+    let moment = *closed.moment();
     let mut run = Run {
         smallest: f64::INFINITY,
         farthest: 0.0,
         is_slack: false,
-        last: closed.moment().controller,
-        end: from,
+        last: moment.controller,
+        arrival: moment.plant.encoder_pose,
+        end: moment.plant.encoder_pose,
     };
-    for _ in 0..(end / STEP) as u32 {
-        closed.disturbance_force = push(closed.moment().time);
-        let led = closed.controller.proof().trajectory.at(closed.moment().time + STEP);
-        let moment = *closed.step(STEP).unwrap();
+    for _ in 0..((motion.end() + 3.0) / STEP) as u32 {
+        let time = closed.moment().time;
+        closed.disturbance_force = push(time);
+        let see = |inputs: &mut ControllerInputs| {
+            if blind.contains(&time) {
+                inputs.encoder_pose.0.fill(f64::NAN);
+            }
+        };
+        let moment = *closed.step_seeing(STEP, see).unwrap();
+        let led = motion.at(moment.time);
         run.smallest = moment.plant.measured_tension.iter().copied().fold(run.smallest, f64::min);
         run.farthest = run.farthest.max((moment.plant.encoder_pose.position() - led.pose.position()).norm());
         run.is_slack |= moment.plant.slack.iter().any(|slack| *slack);
+        if moment.time <= motion.end() {
+            run.arrival = moment.plant.encoder_pose;
+        }
         (run.last, run.end) = (moment.controller, moment.plant.encoder_pose);
     }
     run
+}
+
+fn from_the_centre(orbit: &Orbit, push: impl Fn(f64) -> Vector3<f64>) -> Run {
+    follow(&mut started(orbit, orbit.centre), push, NEVER)
 }
 
 fn undisturbed(_: f64) -> Vector3<f64> {
@@ -168,12 +195,13 @@ fn undisturbed(_: f64) -> Vector3<f64> {
 fn a_circle_of_0_4_m_keeps_0_9_n_where_rest_would_need_a_cable_that_pushes() {
     let out = static_tensions(&parameters().rig, &Pose::at(0.0, 0.4, 1.0), 0.0).unwrap();
     let least = out.into_iter().fold(f64::INFINITY, f64::min);
-    let run = follow(&circle(), Pose::at(0.0, 0.0, 1.0), undisturbed);
+    let run = from_the_centre(&circle(), undisturbed);
     println!("at rest {least:.3} N; on the circle {:.3} N, {:.3} mm off", run.smallest, 1e3 * run.farthest);
     assert!(least < -8.0 && run.smallest > 0.9 && run.farthest < 3e-4, "{least} {}", run.smallest);
     assert_eq!(run.last.status, Status::AtGoal);
     assert!(run.end.minus(&Pose::at(0.0, 0.0, 1.0)).amax() < 1e-4);
-    let off = follow(&circle(), Pose::at(0.0014, -0.0014, 1.0), undisturbed);
+    let beside = Pose::at(0.0014, -0.0014, 1.0);
+    let off = follow(&mut started(&circle(), beside), undisturbed, NEVER);
     println!("from 2 mm beside: {:.3} N", off.smallest);
     assert!(off.smallest > 0.9 && !off.is_slack);
 }
@@ -181,14 +209,14 @@ fn a_circle_of_0_4_m_keeps_0_9_n_where_rest_would_need_a_cable_that_pushes() {
 #[test]
 fn a_push_of_1_n_in_the_worst_of_12_directions_slackens_no_cable() {
     let orbit = circle();
-    for begin in [1.2, 3.1, 4.0, 7.9] {
+    for begin in [1.0, 4.0, 8.25] {
         let smallest = (0..12).map(|k| {
             let (sin, cos) = (TAU * f64::from(k) / 12.0).sin_cos();
             let push = |time: f64| {
                 let acts = (begin..begin + 0.2).contains(&time);
                 if acts { Vector3::new(cos, sin, 0.0) } else { Vector3::zeros() }
             };
-            let run = follow(&orbit, orbit.centre, push);
+            let run = from_the_centre(&orbit, push);
             assert!(!run.is_slack && run.last.status == Status::AtGoal, "{begin} {k}");
             run.smallest
         });
@@ -196,6 +224,87 @@ fn a_push_of_1_n_in_the_worst_of_12_directions_slackens_no_cable() {
         println!("pushed at {begin} s: {worst:.3} N");
         assert!(worst > 0.0);
     }
+}
+
+/// How a platform that is a little off leaves the motion under its tensions, at a time (s) of the circle: the greatest κ, 1/s².
+fn kappa(time: f64) -> f64 {
+    let (rig, trajectory) = (parameters().rig, circle().trajectory());
+    swing(&rig, &trajectory.at(time).pose, &tensions_at(&rig, &trajectory, time))[1]
+}
+
+/// A pose that is lost: the spiral into the centre, without one.
+#[test]
+fn a_lost_pose_ends_in_the_proved_spiral_into_the_centre() {
+    let centre = circle().centre;
+    println!(
+        "κ of x'' = κ x under held tensions, 1/s²: {:.1} in the centre, {:.1} on the circle",
+        kappa(0.0),
+        kappa(4.0)
+    );
+    for (from, until) in [0.3, 1.0, 1.9, 3.0, 4.4, 8.2]
+        .into_iter()
+        .flat_map(|from| [(from, from + 0.1), (from, f64::INFINITY)])
+    {
+        let mut closed = started(&circle(), circle().centre);
+        let run = follow(&mut closed, undisturbed, from..until);
+        let proof = closed.controller.proof();
+        let off = run.arrival.minus(&circle().centre);
+        let [away, turned] = [0, 3].map(|k| 1e3 * off.fixed_rows::<3>(k).norm());
+        println!(
+            "blind from {from} to {until:.1} s: in the centre {:.3} s later, {away:.3} mm and {turned:.2} mrad off; smallest tension {:.3} N",
+            proof.stopped(from).end() - from,
+            run.smallest
+        );
+        assert!(run.last.status == Status::SensorFault && !run.is_slack && run.smallest > proof.least);
+        let is_seen_again = until.is_finite();
+        assert!(
+            away < if is_seen_again { 0.01 } else { 5.0 } && (turned < 0.1 || !is_seen_again),
+            "{from} {until}"
+        );
+    }
+}
+
+/// The drives hold their cables, as with brakes: cables of fixed lengths, as springs that pull only; or pull with nothing.
+#[test]
+fn what_happens_when_the_drives_go_off() {
+    const FINE: f64 = 1e-4;
+    let mut closed = started(&circle(), circle().centre);
+    while closed.moment().time < 4.0 {
+        closed.step(STEP).unwrap();
+    }
+    let held = closed.moment().plant.cable_length;
+    let (mut braked, mut free) = (closed.plant.clone(), closed.plant);
+    let (mut slack, mut greatest, mut before) = (PerCable::filled(6, 0.0), 0.0_f64, held);
+    let mut path = vec![];
+    for _ in 0..100_000 {
+        let now = braked.outputs().cable_length;
+        let pull = PerCable::from_fn(6, |i| {
+            (5e4 * (now[i] - held[i]) + 50.0 * (now[i] - before[i]) / FINE).max(0.0)
+        });
+        before = now;
+        let inputs = PlantInputs { motor_tension: pull, ..PlantInputs::none(6) };
+        braked.step(&inputs, FINE).unwrap();
+        greatest = pull.iter().copied().fold(greatest, f64::max);
+        (0..6).for_each(|i| slack[i] += if pull[i] > 0.0 { 0.0 } else { FINE });
+        path.push(braked.outputs().encoder_pose);
+    }
+    let away = |pose: &Pose| pose.position().xy().norm();
+    let turned = path.iter().map(|pose| pose.0.fixed_rows::<3>(3).amax()).fold(0.0, f64::max);
+    let [nearest, farthest] = [f64::min, f64::max].map(|pick| path.iter().map(away).reduce(pick).unwrap());
+    println!(
+        "brakes at {:.3} m: in 10 s it swings between {nearest:.3} and {farthest:.3} m from the middle, turned by up to {turned:.2} rad,\n\
+         cables slack for {:.1?} s, greatest tension {greatest:.0} N",
+        away(&path[0]),
+        &slack[..]
+    );
+    assert!(farthest < 0.42 && turned > 0.2 && slack.iter().all(|time| *time > 0.5));
+    let before = free.outputs().encoder_pose;
+    for _ in 0..300 {
+        free.step(&PlantInputs::none(6), STEP).unwrap();
+    }
+    let moved = free.outputs().encoder_pose.minus(&before);
+    println!("no torque: 0.3 s later it has fallen {:.2} m and flown {:.2} m", moved[2], moved.xy().norm());
+    assert!((moved[2] - 0.5 * 9.81 * 0.09).abs() < 1e-3 && (moved.xy().norm() - 1.1 * 0.3).abs() < 1e-2);
 }
 
 #[test]
@@ -233,16 +342,35 @@ fn every_number_that_makes_no_sense_is_named() {
     assert!(late.contains("step = 0.2") && late.contains("at most 1.667e-1"), "{late}");
 }
 
-/// Eight cables share the load in many ways; the certificate shows one.
+/// Eight cables share the load in many ways; the certificate shows one, and where there is none it names the cables.
 #[test]
 fn eight_cables_have_orbits_too() {
     let RigFile { rig, home, .. } = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();
     let parameters = ControllerParameters::of(&rig);
-    let figure = Figure::Circle { radius: 0.4 * rig.radius() };
     let rate = Orbit::natural_rate(&rig, &home);
-    let orbit = Orbit { centre: home, figure, rate, turns: 1.0, start: 2.0 * TAU / rate };
-    match orbit.prove(&parameters, &Coordinates::zeros(), STEP) {
-        Ok(proof) => println!("{:.3} {:.3} {:.3}", proof.least, proof.greatest, proof.longest_to_rest),
-        Err(error) => println!("{error}"),
+    let of_radius = |radius: f64| {
+        let figure = Figure::Circle { radius };
+        let orbit = Orbit { centre: home, figure, rate, turns: 1.0, start: 4.0 * TAU / rate };
+        (orbit, orbit.prove(&parameters, &Coordinates::zeros(), STEP))
+    };
+    let (orbit, proof) = of_radius(2.5);
+    let proof = proof.unwrap();
+    let times = (0..400).map(|k| proof.trajectory.end() * f64::from(k) / 399.0);
+    let [mut at_rest, mut moving] = [f64::INFINITY; 2];
+    for time in times {
+        let led = proof.trajectory.at(time);
+        let wrench = required_wrench(&rig, &led.pose, &led.rates, &led.accelerations);
+        let columns = rig.cables_at(&led.pose).wrench_matrix();
+        moving = moving.min(widest_margin(&rig, &columns, &wrench));
+        at_rest = at_rest.min(static_margin(&rig, &led.pose));
     }
+    println!(
+        "{} cables, {:.1} m: margin at rest {at_rest:.1} N, in motion {moving:.2} N",
+        8,
+        orbit.figure.radius()
+    );
+    assert!(at_rest < -10.0 && moving >= proof.kept);
+    let refused = of_radius(3.5).1.unwrap_err().to_string();
+    println!("{refused}");
+    assert!(refused.contains("no tensions keep the limits") && refused.contains("; cable"), "{refused}");
 }

@@ -205,6 +205,11 @@ impl Simulate {
         for path in &self.fmu {
             let fmu = fmu_model(path, scenario)?;
             let (info, lacking) = (fmu.info(), fmu.lacking());
+            ensure!(
+                fmu.model() != Model::Controller || scenario.orbit.is_none(),
+                "--fmu {}: a controller that is an FMU follows no orbit; a plant may be one",
+                path.display()
+            );
             let replaced = match fmu.model() {
                 Model::Controller => {
                     models.controller = Box::new(fmu);

@@ -1,8 +1,8 @@
-//! The controller of an orbit: the law with a moving reference, and the stop that it carries for when it is blind.
+//! The controller of an orbit: the law with a moving reference, and the stop that it carries for when a pose makes no sense.
 
 use super::{Orbit, OrbitError, Proof, Trajectory};
-use crate::control::{Commands, Estimator, ForceLoop, Reference, Response, lyapunov, tensions};
-use crate::plan::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
+use crate::control::{Commands, Estimator, ForceLoop, Reference, Response, lyapunov};
+use crate::plan::fault::{Fault, check_pose, jump, pose_of_lengths};
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, dynamics};
@@ -30,8 +30,8 @@ pub struct Follower {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
     Following,
-    /// The pose made no sense: the stop is made without one.
-    Blind,
+    /// A pose made no sense: a stop is made.
+    Stopping,
     /// `enable` has fallen.
     Off,
 }
@@ -108,11 +108,14 @@ impl Follower {
         if !inputs.enable {
             self.mode = Mode::Off;
         }
-        match self.measured(inputs, dt) {
-            Ok(pose) => self.estimator.update(&pose, &acceleration, dt, None),
-            Err(fault) if self.mode == Mode::Following => self.lose(fault),
-            Err(_) => {}
+        let measured = self.measured(inputs, dt);
+        if let (Err(fault), Mode::Following) = (measured, self.mode) {
+            self.lose(fault);
         }
+        // What is not measured is predicted.
+        let Estimator { pose, rates, .. } = &self.estimator;
+        let predicted = Pose(pose.0 + rates * dt + acceleration * (0.5 * dt * dt));
+        self.estimator.update(&measured.unwrap_or(predicted), &acceleration, dt, None);
         self.act(inputs, dt, hold);
     }
 
@@ -127,9 +130,9 @@ impl Follower {
         jump(&pose, &self.estimator, dt, self.planner.size).map_or(Ok(pose), Err)
     }
 
-    /// From now on the first proved stop is made that can be begun, without a pose.
+    /// From now on the first proved stop is made that can be begun, on predicted poses until one makes sense again.
     fn lose(&mut self, fault: Fault) {
-        self.mode = Mode::Blind;
+        self.mode = Mode::Stopping;
         self.outputs.fault = fault;
         self.trajectory = self.proof.stopped(self.acts() - self.begun);
     }
@@ -140,23 +143,18 @@ impl Follower {
     }
 
     fn act(&mut self, inputs: &ControllerInputs, dt: f64, hold: f64) {
-        if self.mode == Mode::Following {
-            match self.law(hold) {
-                Some((tension, imposed)) => {
-                    self.commands.send(self.time, self.acts(), imposed);
-                    let is_measured = self.planner.parameters.force_loop;
-                    let corrected =
-                        is_measured.then(|| self.force_loop.command(&tension, &inputs.measured_tension, dt));
-                    self.outputs.motor_tension = self.limited(corrected.unwrap_or(tension));
-                }
-                None => self.lose(Fault::new(Check::Singular, 0.0, 0.0, &{ self.estimator.pose })),
+        self.outputs.motor_tension = match self.law(hold) {
+            _ if self.mode == Mode::Off => self.least(),
+            Some((tension, imposed)) => {
+                self.commands.send(self.time, self.acts(), imposed);
+                let is_measured = self.planner.parameters.force_loop;
+                let corrected =
+                    is_measured.then(|| self.force_loop.command(&tension, &inputs.measured_tension, dt));
+                self.limited(corrected.unwrap_or(tension))
             }
-        }
-        match self.mode {
-            Mode::Following => {}
-            Mode::Blind => self.outputs.motor_tension = self.feed_forward(hold),
-            Mode::Off => self.outputs.motor_tension = self.least(),
-        }
+            // The wrench matrix is singular, which it is nowhere near the motion.
+            None => self.outputs.motor_tension,
+        };
         self.report();
     }
 
@@ -180,14 +178,6 @@ impl Follower {
             dynamics::accelerations(rig, &pose, &rates, &tension)
         };
         Some((tension, imposed))
-    }
-
-    /// The tensions of the motion itself.
-    fn feed_forward(&self, hold: f64) -> PerCable<f64> {
-        let Reference { pose, rates, accelerations } = self.followed(hold);
-        let rig = &self.planner.parameters.rig;
-        let tension = tensions(rig, &pose, &rates, &accelerations, self.planner.allowance());
-        tension.map_or(self.least(), |tension| self.limited(tension))
     }
 
     fn reference(&self, time: f64) -> Reference {
@@ -232,7 +222,7 @@ impl Follower {
         };
         self.outputs.status = match self.mode {
             Mode::Off => Status::Disabled,
-            Mode::Blind => Status::SensorFault,
+            Mode::Stopping => Status::SensorFault,
             Mode::Following if self.outputs.at_goal => Status::AtGoal,
             Mode::Following => Status::Moving,
         };
