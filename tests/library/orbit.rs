@@ -235,7 +235,6 @@ fn kappa(time: f64) -> f64 {
 /// A pose that is lost: the spiral into the centre, without one.
 #[test]
 fn a_lost_pose_ends_in_the_proved_spiral_into_the_centre() {
-    let centre = circle().centre;
     println!(
         "κ of x'' = κ x under held tensions, 1/s²: {:.1} in the centre, {:.1} on the circle",
         kappa(0.0),

@@ -56,7 +56,6 @@ fn phase([w, t, half, angle]: [f64; 4], size: f64) -> Taylor {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::plan::orbit::{Figure, Orbit};
     use crate::robot::Pose;
     use rand::{RngExt, SeedableRng};

@@ -173,7 +173,7 @@ fn a_push_of_1_n_in_the_worst_of_12_directions_slackens_no_cable_of_the_plant_fm
 fn a_scenario_with_an_orbit_that_makes_no_sense_is_refused_at_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("my.toml");
-    let mut refused = |orbit: &str, rest: &str| {
+    let refused = |orbit: &str, rest: &str| {
         let text = format!("title = \"t\"\nduration = 9\n[orbit]\nshape = \"circle\"\n{orbit}\n{rest}");
         fs::write(&path, text).unwrap();
         written(1, &["simulate", path.to_str().unwrap()]).1
