@@ -70,6 +70,7 @@ fn what_is_proved_holds_in_dense_samples_and_what_is_refused_does_not() {
             Ok(proof) => {
                 admitted += 1;
                 let whole = proof.trajectory;
+                assert!(proof.least >= proof.kept && proof.greatest <= 100.0 - proof.kept, "{proof:?}");
                 assert!(least(&rig, &whole, [0.0, whole.end()]) >= proof.least, "{orbit:?}");
                 for _ in 0..6 {
                     let begin = rng.random_range(0.0..whole.stop_begins());

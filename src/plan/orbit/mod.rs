@@ -255,3 +255,39 @@ pub fn reach_of_p(orbit: &Orbit, z: f64, g: f64) -> f64 {
     };
     orbit.figure.terms().into_iter().map(of_term).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+    use rand::{RngExt, SeedableRng};
+
+    /// p = P + (z/g) P'' in dense samples of start, turn and stop; for short starts nearly all of (O4) is reached.
+    #[test]
+    fn p_goes_no_farther_than_the_closed_form_says() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(9);
+        let mut nearest = f64::INFINITY;
+        for _ in 0..200 {
+            let radius = rng.random_range(0.1..0.6);
+            let figure = match rng.random_range(0..3) {
+                0 => Figure::Circle { radius },
+                1 => Figure::Line { radius, direction: rng.random_range(-3.0..3.0) },
+                _ => Figure::Hypotrochoid { radius, share: 0.1, lobes: 4 },
+            };
+            let (z, g) = (rng.random_range(0.5..2.0), 9.81);
+            let (rate, start) = (rng.random_range(1.0..5.0), rng.random_range(0.05..3.0));
+            let orbit = Orbit { centre: Pose::at(0.0, 0.0, z), figure, rate, turns: 1.0, start };
+            let trajectory = orbit.trajectory();
+            let p = |k: u32| {
+                let led = trajectory.at(trajectory.end() * f64::from(k) / 20_000.0);
+                let of = |k: usize| led.pose.0[k] + z / g * led.accelerations[k];
+                Vector2::new(of(0), of(1)).norm()
+            };
+            let farthest = (0..=20_000).map(p).fold(0.0, f64::max);
+            let most = reach_of_p(&orbit, z, g);
+            assert!(farthest <= most * (1.0 + 1e-9), "{orbit:?} {farthest} {most}");
+            nearest = nearest.min(most / farthest);
+        }
+        assert!(nearest < 1.05, "{nearest}");
+    }
+}
