@@ -197,7 +197,7 @@ fn a_circle_of_0_4_m_keeps_0_9_n_where_rest_would_need_a_cable_that_pushes() {
     let out = static_tensions(&parameters().rig, &Pose::at(0.0, 0.4, 1.0), 0.0).unwrap();
     let least = out.into_iter().fold(f64::INFINITY, f64::min);
     let run = from_the_centre(&circle(), undisturbed);
-    println!("at rest {least:.3} N; on the circle {:.3} N, {:.3} mm off", run.smallest, 1e3 * run.farthest);
+    println!("at rest {least:.3} N; on the circle {:.3} N, {:.3} µm off", run.smallest, 1e6 * run.farthest);
     assert!(least < -8.0 && run.smallest > 0.9 && run.farthest < 3e-4, "{least} {}", run.smallest);
     assert_eq!(run.last.status, Status::AtGoal);
     assert!(run.end.minus(&Pose::at(0.0, 0.0, 1.0)).amax() < 1e-4);
