@@ -339,7 +339,7 @@ fn every_number_that_makes_no_sense_is_named() {
     let figure = Figure::Line { radius: 0.2, direction: f64::NAN };
     assert!(said(Orbit { figure, ..circle() }).contains("direction = NaN"));
     let late = circle().prove(&parameters(), &Coordinates::zeros(), 0.2).unwrap_err().to_string();
-    assert!(late.contains("step = 0.2") && late.contains("at most 1.667e-1"), "{late}");
+    assert!(late.contains("step = 0.2") && late.contains("from 0 to 1.667e-1"), "{late}");
 }
 
 /// Eight cables share the load in many ways; the certificate shows one, and where there is none it names the cables.

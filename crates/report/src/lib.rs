@@ -64,6 +64,7 @@ mod tests {
             controller: Model::Library,
             plant: Model::Library,
             rig: scenario.rig.clone(),
+            orbit: scenario.orbit,
             step: scenario.step,
             controller_parameters: scenario.controller,
             plant_parameters: scenario.plant,

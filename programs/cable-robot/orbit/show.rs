@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use cable_robot::plan::extremes::{TensionAt, extremes_of_orbit};
-use cable_robot::plan::orbit::{Figure, Orbit, Part, Proof, Refusal, reach_of_p};
+use cable_robot::plan::orbit::{Orbit, Part, Proof, Refusal, reach_of_p};
 use cable_robot::reach::Verdict;
 use cable_robot::robot::{Rig, Shape};
 use cable_robot_report::facts::limits;
@@ -16,14 +16,11 @@ pub fn as_text(answer: &Answer, rig: &Rig) -> String {
     let Answer { orbit, outside, found, instead } = answer;
     let whole = orbit.trajectory();
     let [x, y, z] = [0, 1, 2].map(|k| number(orbit.centre.0[k]));
-    let mut text = format!("{} about ({x}, {y}, {z})\n", named(&orbit.figure));
+    let mut text = format!("{orbit}\n");
     let _ = writeln!(
         text,
-        "{:.4} rad/s, a turn in {:.3} s, {} turns at full size, start and stop {:.3} s each: {:.3} s from rest to rest",
-        orbit.rate,
+        "about ({x}, {y}, {z}), a turn in {:.3} s, {:.3} s from rest to rest",
         orbit.period(),
-        number(orbit.turns),
-        orbit.start,
         whole.end()
     );
     match found {
@@ -54,18 +51,6 @@ pub fn as_text(answer: &Answer, rig: &Rig) -> String {
             writeln!(text, "smallest tension on the way: {tension:.3} N in cable {cable} after {time:.3} s");
     }
     text
-}
-
-fn named(figure: &Figure) -> String {
-    match *figure {
-        Figure::Circle { radius } => format!("circle of {} m", number(radius)),
-        Figure::Line { radius, direction } => {
-            format!("line of {} m to each side towards {direction:.4} rad", number(radius))
-        }
-        Figure::Hypotrochoid { radius, share, lobes } => {
-            format!("hypotrochoid of {} m with {} of it in {lobes} lobes", number(radius), number(share))
-        }
-    }
 }
 
 fn proved(proof: &Proof, rig: &Rig) -> String {

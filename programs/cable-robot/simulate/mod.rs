@@ -247,6 +247,7 @@ impl Simulate {
             controller: models.controller_info.clone(),
             plant: models.plant_info.clone(),
             rig: scenario.rig.clone(),
+            orbit: scenario.orbit,
             step: scenario.step,
             controller_parameters: scenario.controller,
             plant_parameters: scenario.plant,

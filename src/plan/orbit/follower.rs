@@ -218,7 +218,7 @@ impl Follower {
         self.outputs.tension_margin = if self.mode == Mode::Off {
             self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min)
         } else {
-            self.proof.least
+            self.proof.least - self.proof.kept
         };
         self.outputs.status = match self.mode {
             Mode::Off => Status::Disabled,

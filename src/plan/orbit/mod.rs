@@ -6,6 +6,7 @@ mod proof;
 mod ramp;
 
 use std::f64::consts::TAU;
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,7 @@ const LONGEST_START: f64 = 40.0;
 
 /// What an orbit draws about its centre, in the level coordinates x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub enum Figure {
     /// Of this radius.
     Circle {
@@ -90,6 +92,27 @@ impl Figure {
             &mut self;
         *radius = new;
         self
+    }
+}
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Circle { radius } => write!(f, "circle of {radius} m"),
+            Self::Line { radius, direction } => {
+                write!(f, "line of {radius} m to each side, towards {direction:.4} rad")
+            }
+            Self::Hypotrochoid { radius, share, lobes } => {
+                write!(f, "hypotrochoid of {radius} m with {share} of it in {lobes} lobes")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Orbit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { figure, rate, turns, start, .. } = self;
+        write!(f, "{figure}, {rate:.4} rad/s, {turns} turns at full size, start and stop {start:.3} s each")
     }
 }
 
@@ -159,16 +182,6 @@ impl Orbit {
         TAU / self.rate
     }
 
-    /// How far from the centre it takes the platform at most, m.
-    pub fn extent(&self) -> f64 {
-        self.figure.terms().into_iter().map(|term| term.radius).sum()
-    }
-
-    /// Its greatest speed at full size at most, m/s.
-    pub fn speed(&self) -> f64 {
-        self.figure.terms().into_iter().map(|term| term.radius * (term.harmonic * self.rate).abs()).sum()
-    }
-
     /// The motion from rest to rest as it is meant.
     pub fn trajectory(&self) -> Trajectory {
         let up = Ramp::to_rest([0.0; 3], 1.0, 0.0, self.start);
@@ -186,7 +199,7 @@ impl Orbit {
 }
 
 /// An orbit in time, up to rest: P = C + b(t) F(Ω (t - T₁)), Eq. (O2), where b grows from 0 to 1 and, from some time on, falls to 0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trajectory {
     orbit: Orbit,
     up: Ramp,

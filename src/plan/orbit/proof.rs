@@ -102,7 +102,7 @@ impl Orbit {
         hold: f64,
     ) -> Result<Proof, OrbitError> {
         self.validate()?;
-        parameters.rig.validate()?;
+        parameters.validate()?;
         let planner = Planner::from(*parameters);
         self.check(parameters, hold)?;
         let (unknown, of_error, at_rest) = self.costs(&planner, error)?;
@@ -122,10 +122,10 @@ impl Orbit {
 
     fn check(&self, parameters: &ControllerParameters, hold: f64) -> Result<(), ParameterError> {
         let longest = parameters.longest_hold();
-        if hold <= longest {
+        if (0.0..=longest).contains(&hold) {
             return Ok(());
         }
-        let allowed = format!("must be at most {longest:.3e} (s): 1/(lambda + eta) less commandDelay");
+        let allowed = format!("must be from 0 to {longest:.3e} (s): 1/(lambda + eta) less commandDelay");
         Err(ParameterError { name: "step".into(), value: hold, allowed: allowed.into() })
     }
 

@@ -1,11 +1,9 @@
 //! How large an orbit is in time.
 
-use serde::{Deserialize, Serialize};
-
 use crate::reach::certificate::taylor::Taylor;
 
 /// b(t): a polynomial of degree 5 from any b, b', b'' to rest at another, Eq. (O3); before its begin and after its end as there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
     begin: f64,
     duration: f64,

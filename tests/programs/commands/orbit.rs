@@ -197,3 +197,27 @@ fn a_scenario_with_an_orbit_that_makes_no_sense_is_refused_at_its_line() {
         assert!(error.contains(said), "{orbit}: {error}");
     }
 }
+
+#[test]
+fn what_the_page_of_orbits_shows_is_so() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/orbit.md")).unwrap();
+    let shown: Vec<_> = page.split("```\n$ cable-robot ").skip(1).collect();
+    assert_eq!(shown.len(), 2);
+    let folder = tempfile::tempdir().unwrap();
+    for (block, code) in shown.into_iter().zip([0, 3]) {
+        let (command, rest) = block.split_once('\n').unwrap();
+        let picture = folder.path().join("orbit.svg");
+        let command = command.replace("orbit.svg", picture.to_str().unwrap());
+        let (out, _) = written(code, &command.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(out, rest.split("```").next().unwrap());
+        if code == 0 {
+            let drawn = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/figures/orbit.svg");
+            assert!(fs::read(picture).unwrap() == fs::read(drawn).unwrap(), "docs/figures/orbit.svg is old");
+        }
+    }
+    let (text, _) = written(0, &["orbit", "--through", "0,0.325"]);
+    assert!(
+        text.contains(" 2.602 s from rest to rest") && page.contains("2.602 s from rest to rest"),
+        "{text}"
+    );
+}
