@@ -58,10 +58,12 @@ pub fn extremes_of_course(rig: &Rig, course: &Course) -> Option<Extremes> {
     along(rig, (0..INSTANTS).map(|k| share * k as f64), |time| course.at(time))
 }
 
-/// The extremes of an orbit that begins at 0 s.
+/// The extremes of an orbit that begins at 0 s: of start, first turn and stop.
 pub fn extremes_of_orbit(rig: &Rig, trajectory: &Trajectory) -> Option<Extremes> {
-    let share = trajectory.end() / (INSTANTS - 1) as f64;
-    along(rig, (0..INSTANTS).map(|k| share * k as f64), |time| trajectory.at(time))
+    let within = |[from, to]: [f64; 2]| {
+        (0..INSTANTS).map(move |k| from + (to - from) * k as f64 / (INSTANTS - 1) as f64)
+    };
+    along(rig, trajectory.pieces().into_iter().flat_map(within), |time| trajectory.at(time))
 }
 
 fn along(

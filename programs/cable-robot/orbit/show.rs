@@ -5,7 +5,7 @@ use std::fmt::Write;
 use cable_robot::plan::extremes::{TensionAt, extremes_of_orbit};
 use cable_robot::plan::orbit::{Orbit, Part, Proof, Refusal, reach_of_p};
 use cable_robot::reach::Verdict;
-use cable_robot::robot::{Rig, Shape};
+use cable_robot::robot::{LEAST_CABLES, Rig, Shape};
 use cable_robot_report::facts::limits;
 use serde_json::{Value, json};
 
@@ -54,8 +54,10 @@ pub fn as_text(answer: &Answer, rig: &Rig) -> String {
 }
 
 fn proved(proof: &Proof, rig: &Rig) -> String {
+    let tensions =
+        if rig.cables.len() == LEAST_CABLES { "every tension" } else { "at all times there are tensions" };
     format!(
-        "proved: every tension between {:.3} and {:.3} N (limits {}, {:.3} N kept from them) on start, turns and stop, and on stops begun on the way\n\
+        "proved: {tensions} between {:.3} and {:.3} N (limits {}, {:.3} N kept from them) on start, turns and stop, and on stops begun on the way\n\
          from any instant on the robot can be at rest within {:.3} s\n",
         proof.least,
         proof.greatest,

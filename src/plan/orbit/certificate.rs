@@ -6,11 +6,11 @@ use crate::reach::certificate::motion::Motion;
 use crate::reach::certificate::taylor::Taylor;
 
 impl Trajectory {
-    /// Times between which it is smooth, s: of its start, of the figure at full size, of its stop.
-    pub(super) fn pieces(&self) -> [[f64; 2]; 3] {
-        let turn = self.down.begin();
-        let grown = self.up.end().min(turn);
-        [[0.0, grown], [grown, turn], [turn, self.down.end()]]
+    /// Times (s) of its start, its first turn at full size, as far as it goes, and its stop: it is smooth on each, and nothing else comes in between.
+    pub fn pieces(&self) -> [[f64; 2]; 3] {
+        let stop = self.down.begin();
+        let grown = self.up.end().min(stop);
+        [[0.0, grown], [grown, stop.min(grown + self.orbit.period())], [stop, self.down.end()]]
     }
 
     /// Eq. (O2) and its derivatives within `half` s of `middle`, on one piece.

@@ -5,7 +5,7 @@ use crate::control::{Commands, Estimator, ForceLoop, Reference, Response, lyapun
 use crate::plan::fault::{Fault, check_pose, jump, pose_of_lengths};
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
-use crate::robot::{Coordinates, ParameterError, PerCable, Pose, dynamics};
+use crate::robot::{Coordinates, LEAST_CABLES, ParameterError, PerCable, Pose, dynamics};
 
 /// Leads the robot along a proved orbit, once. Heeds gains, limits, `pose_source`, `force_loop` and `command_delay` of the parameters; there is no planner,
 /// no observer of disturbances, and the goal is not read.
@@ -18,6 +18,8 @@ pub struct Follower {
     mode: Mode,
     /// The longest time for which a command may be held, s.
     hold: f64,
+    /// The smallest tension that it comes to, at least, N.
+    predicted: f64,
     /// When the orbit began, and the time of the last step, s.
     begun: f64,
     time: f64,
@@ -52,7 +54,10 @@ impl Follower {
         check_start(parameters, &error)?;
         let proof = orbit.prove(parameters, &error, hold)?;
         let least = parameters.rig.limits().map(|limits| limits.min);
+        // More than six cables are shared otherwise than in the proof, within the limits.
+        let shown = if least.len() == LEAST_CABLES { proof.least - proof.kept } else { f64::NEG_INFINITY };
         let mut follower = Self {
+            predicted: least.iter().copied().fold(f64::MAX, f64::min).max(shown),
             planner: Planner::from(*parameters),
             trajectory: proof.trajectory,
             proof,
@@ -218,7 +223,7 @@ impl Follower {
         self.outputs.tension_margin = if self.mode == Mode::Off {
             self.outputs.motor_tension.iter().copied().fold(f64::MAX, f64::min)
         } else {
-            self.proof.least - self.proof.kept
+            self.predicted
         };
         self.outputs.status = match self.mode {
             Mode::Off => Status::Disabled,

@@ -98,12 +98,12 @@ impl Figure {
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Circle { radius } => write!(f, "circle of {radius} m"),
+            Self::Circle { radius } => write!(f, "circle of {radius:?} m"),
             Self::Line { radius, direction } => {
-                write!(f, "line of {radius} m to each side, towards {direction:.4} rad")
+                write!(f, "line of {radius:?} m to each side, towards {direction:.4} rad")
             }
             Self::Hypotrochoid { radius, share, lobes } => {
-                write!(f, "hypotrochoid of {radius} m with {share} of it in {lobes} lobes")
+                write!(f, "hypotrochoid of {radius:?} m with {share} of it in {lobes} lobes")
             }
         }
     }

@@ -17,15 +17,17 @@ use crate::robot::{CableSet, Coordinates, ParameterError, PerCable, Rig, Tension
 const STOPS: u32 = 24;
 /// So short the enclosures are sharp.
 const SPANS_OF_A_TURN: f64 = 32.0;
-/// Spans of time looked at before giving up; a stop takes some ten.
-const MOST_SPANS: usize = 20_000;
+/// So many times as many are looked at before giving up.
+const MORE_SPANS: f64 = 8.0;
+/// Instants on the way up at which a stop may begin, at most.
+const EARLY: u32 = 48;
 /// Errors are looked at about rest: on the way they cost at most this many times as much, and as many times as the cables pull more.
 const BETWEEN: f64 = 2.0;
 /// Where errors and held commands cost more than was left for them, an orbit is proved again, with this many times as much.
 const MORE: f64 = 1.05;
 const PROOFS: usize = 2;
 /// Turns.
-const LONGEST_TRIED: f64 = 8.0;
+const LONGEST_TRIED: f64 = 4.0;
 
 /// A proved orbit.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,14 +36,14 @@ pub struct Proof {
     pub trajectory: Trajectory,
     /// What is kept from the limits for errors, what is not known and held commands, N.
     pub kept: f64,
-    /// Every tension is proved to be above this, N, on the way and on every stop, and
+    /// Every tension is proved to be above this, N, on the way and on every stop (of more than six cables: there are such tensions), and
     pub least: f64,
     /// below this, N. Proved, not sharp.
     pub greatest: f64,
     /// The longest that it takes from any instant until the robot rests, s.
     pub longest_to_rest: f64,
-    /// Whether the stop begun so many intervals before full size is proved, from one interval on.
-    early: Vec<bool>,
+    /// When the proved stops on the way up begin, s, the last one first.
+    early: Vec<f64>,
 }
 
 /// Which part of an orbit is not proved.
@@ -84,7 +86,6 @@ struct Question<'a> {
     kept: f64,
     /// Span of time, s.
     longest: f64,
-    spans: usize,
     seen: Seen,
 }
 
@@ -154,7 +155,7 @@ impl Orbit {
     fn prove_within(&self, rig: &Rig, kept: f64) -> Result<(Proof, Seen), OrbitError> {
         let limits = rig.limits().map(|limits| limits.shrunk(kept));
         let longest = self.period() / SPANS_OF_A_TURN;
-        let mut question = Question { rig, limits, kept, longest, spans: MOST_SPANS, seen: Seen::none(rig) };
+        let mut question = Question { rig, limits, kept, longest, seen: Seen::none(rig) };
         let endless = self.endless();
         let (start, period) = (self.start, self.period());
         question.shows(&endless, [start, start + period], Part::Full)?;
@@ -164,10 +165,7 @@ impl Orbit {
         for k in 0..STOPS {
             question.stops(&endless.stopped(start + self.interval() * f64::from(k)))?;
         }
-        let early = (start / self.interval()).floor() as u32;
-        let early =
-            (1..=early).map(|k| self.early(k)).map(|begin| question.stops(&endless.stopped(begin)).is_ok());
-        let early: Vec<bool> = early.collect();
+        let early = self.early().filter(|begin| question.stops(&endless.stopped(*begin)).is_ok()).collect();
         let [least, greatest] = question.seen.extremes();
         let mut proof = Proof { trajectory, kept, least, greatest, longest_to_rest: 0.0, early };
         proof.longest_to_rest = proof.longest_to_rest();
@@ -179,9 +177,12 @@ impl Orbit {
         self.period() / f64::from(STOPS)
     }
 
-    /// The time `k` intervals before full size, s.
-    fn early(&self, k: u32) -> f64 {
-        self.start - self.interval() * f64::from(k)
+    /// When a stop on the way up may begin, s, the last one first: whole intervals before full size.
+    fn early(&self) -> impl Iterator<Item = f64> {
+        let (start, interval) = (self.start, self.interval());
+        let count = (start / interval).floor() as u32;
+        let step = count.div_ceil(EARLY).max(1);
+        (1..=count / step).map(move |k| start - interval * f64::from(k * step))
     }
 
     /// The longest start that is tried, s.
@@ -189,7 +190,7 @@ impl Orbit {
         LONGEST_TRIED * self.period()
     }
 
-    /// The shortest start of those tried, down from eight turns to a quarter of one, with which the orbit is proved.
+    /// The shortest start of those tried, down from four turns to an eighth of one, with which the orbit is proved.
     pub fn with_shortest_start(&self, parameters: &ControllerParameters, hold: f64) -> Option<Self> {
         let start = |k: i32| self.longest_start() * libm::exp2(-0.125 * f64::from(k));
         let tried = (0..=40).rev().map(|k| Self { start: start(k), ..*self });
@@ -235,7 +236,8 @@ fn held(parameters: &ControllerParameters, hold: f64, seen: &Seen) -> f64 {
 impl Question<'_> {
     fn shows(&mut self, trajectory: &Trajectory, span: [f64; 2], part: Part) -> Result<(), OrbitError> {
         let motion = |middle: f64, half: f64| trajectory.enclosed(middle, half);
-        certify_motion(self.rig, &self.limits, span, motion, self.longest, &mut self.spans, &mut self.seen)
+        let mut spans = (MORE_SPANS * (1.0 + (span[1] - span[0]) / self.longest)) as usize;
+        certify_motion(self.rig, &self.limits, span, motion, self.longest, &mut spans, &mut self.seen)
             .map_err(|verdict| OrbitError::Refused(Refusal { part, verdict, kept: self.kept }))
     }
 
@@ -250,19 +252,17 @@ impl Proof {
     /// The motion with the first proved stop that begins at a time (s) or later.
     pub fn stopped(&self, time: f64) -> Trajectory {
         let orbit = &self.trajectory.orbit;
-        let after = ((time - orbit.start) / orbit.interval()).ceil();
-        if after >= 0.0 {
-            return self.trajectory.stopped(orbit.start + orbit.interval() * after);
-        }
-        let next = (1..=self.early.len().min(-after as usize)).rev().find(|k| self.early[k - 1]);
-        self.trajectory.stopped(next.map_or(orbit.start, |k| orbit.early(k as u32)))
+        let after = ((time - orbit.start) / orbit.interval()).ceil().max(0.0);
+        let at_full_size = orbit.start + orbit.interval() * after;
+        let early = self.early.iter().take_while(|begin| **begin >= time).last();
+        self.trajectory.stopped(*early.unwrap_or(&at_full_size))
     }
 
     /// From just after an instant at which a stop begins the next one is waited for; the same in every turn.
     fn longest_to_rest(&self) -> f64 {
         let orbit = &self.trajectory.orbit;
-        let instants = (0..=self.early.len() as u32).map(|k| orbit.early(k)).chain([0.0]);
-        instants.map(|time| self.stopped(time + 0.5 * orbit.interval()).end() - time).fold(0.0, f64::max)
+        let after = |begin: f64| self.stopped(begin + 0.5 * orbit.interval()).end() - begin;
+        self.early.iter().copied().chain([0.0, orbit.start]).map(after).fold(0.0, f64::max)
     }
 }
 
