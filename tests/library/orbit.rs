@@ -6,7 +6,7 @@ use std::ops::Range;
 use cable_robot::control::distribution::widest_margin;
 use cable_robot::control::{static_margin, static_tensions, swing, tensions};
 use cable_robot::plan::orbit::{Figure, Follower, Orbit, OrbitError, Part, Proof, Trajectory, reach_of_p};
-use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, Status};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use cable_robot::reach::Verdict;
 use cable_robot::robot::dynamics::required_wrench;
 use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RigFile};
@@ -134,11 +134,19 @@ struct Run {
     end: Pose,
 }
 
-/// The loop from rest at a pose.
+/// The loop from rest at a pose, with the ideal plant of Table I.
 fn started(orbit: &Orbit, from: Pose) -> ClosedLoop<Follower> {
-    let parameters = parameters();
-    let plant = PlantParameters { rig: parameters.rig, initial_pose: from, ..PlantParameters::default() };
-    let plant = Plant::new(plant, &PlantInputs::none(6)).unwrap();
+    let rig = parameters().rig;
+    started_with(orbit, &parameters(), PlantParameters { rig, initial_pose: from, ..Default::default() })
+}
+
+fn started_with(
+    orbit: &Orbit,
+    parameters: &ControllerParameters,
+    plant: PlantParameters,
+) -> ClosedLoop<Follower> {
+    let (from, cables) = (plant.initial_pose, plant.rig.cables.len());
+    let plant = Plant::new(plant, &PlantInputs::none(cables)).unwrap();
     let seen = ControllerInputs {
         encoder_pose: from,
         cable_length: plant.outputs().cable_length,
@@ -146,8 +154,8 @@ fn started(orbit: &Orbit, from: Pose) -> ClosedLoop<Follower> {
         goal_pose: from,
         enable: true,
     };
-    let follower = Follower::new(orbit, &parameters, (0.0, STEP), &seen).unwrap();
-    ClosedLoop::with_models(follower, plant, from, &PlantInputs::none(6)).unwrap()
+    let follower = Follower::new(orbit, parameters, (0.0, STEP), &seen).unwrap();
+    ClosedLoop::with_models(follower, plant, from, &PlantInputs::none(cables)).unwrap()
 }
 
 /// Pushed, and blind for some time (s): three seconds longer than `motion` takes.
@@ -225,6 +233,52 @@ fn a_push_of_1_n_in_the_worst_of_12_directions_slackens_no_cable() {
         println!("pushed at {begin} s: {worst:.3} N");
         assert!(worst > 0.0);
     }
+}
+
+/// What is not in the proof: rigs that are not perfect.
+#[test]
+fn imperfect_rigs_go_round_outside_as_well() {
+    let table_i = parameters();
+    let plant = PlantParameters { rig: table_i.rig, ..Default::default() };
+    let late = ControllerParameters { command_delay: STEP, ..table_i };
+    let measured = ControllerParameters { force_loop: true, ..table_i };
+    let of_lengths = ControllerParameters { pose_source: PoseSource::CableLengths, ..table_i };
+    for (name, parameters, plant) in [
+        ("commands a step late, told", late, plant),
+        ("motors that lag by 5 ms", table_i, PlantParameters { motor_lag: 0.005, ..plant }),
+        (
+            "pose from cable lengths, to 0.01 mm",
+            of_lengths,
+            PlantParameters { encoder_resolution: 1e-5, ..plant },
+        ),
+        ("friction 0.2 N, force loop", measured, PlantParameters { friction: 0.2, ..plant }),
+        ("friction 0.2 N", table_i, PlantParameters { friction: 0.2, ..plant }),
+    ] {
+        let mut closed = started_with(&circle(), &parameters, plant);
+        closed.is_late = parameters.command_delay > 0.0;
+        let run = follow(&mut closed, undisturbed, NEVER);
+        println!("{name}: smallest tension {:.3} N, {:.2} mm off", run.smallest, 1e3 * run.farthest);
+        assert!(!run.is_slack && run.smallest > 0.9, "{name}");
+    }
+}
+
+#[test]
+fn an_orbit_begins_in_its_centre_and_holds_no_command_longer_than_was_proved() {
+    let seen = |pose: Pose| ControllerInputs {
+        encoder_pose: pose,
+        cable_length: PerCable::filled(6, 1.0),
+        measured_tension: PerCable::filled(6, 1.0),
+        goal_pose: pose,
+        enable: true,
+    };
+    let begun = |pose: Pose| Follower::new(&circle(), &parameters(), (0.0, STEP), &seen(pose));
+    let away = begun(Pose::at(0.003, 0.0, 1.0)).unwrap_err().to_string();
+    assert!(away.contains("encoderPose = 0.003") && away.contains("within 0.002 m"), "{away}");
+    let turned = begun(Pose(Coordinates::new(0.0, 0.0, 1.0, 0.0, 0.0, 0.02))).unwrap_err().to_string();
+    assert!(turned.contains("encoderPose = 0.02") && turned.contains("within 0.01 rad"), "{turned}");
+    assert!(begun(Pose::at(f64::NAN, 0.0, 1.0)).is_err());
+    let longer = begun(Pose::at(0.0, 0.0, 1.0)).unwrap().check_step(2.0 * STEP).unwrap_err().to_string();
+    assert!(longer.contains("step = 0.002"), "{longer}");
 }
 
 /// How a platform that is a little off leaves the motion under its tensions, at a time (s) of the circle: the greatest κ, 1/s².
@@ -370,6 +424,11 @@ fn eight_cables_have_orbits_too() {
         orbit.figure.radius()
     );
     assert!(at_rest < -10.0 && moving >= proof.kept);
+    let plant = PlantParameters { rig, initial_pose: home, ..Default::default() };
+    let run = follow(&mut started_with(&orbit, &parameters, plant), undisturbed, NEVER);
+    println!("in a loop: smallest tension {:.3} N, {:.3} mm off", run.smallest, 1e3 * run.farthest);
+    assert!(run.last.status == Status::AtGoal && !run.is_slack && run.farthest < 1e-3);
+    assert!(run.smallest >= rig.common_limits().min);
     let refused = of_radius(3.5).1.unwrap_err().to_string();
     println!("{refused}");
     assert!(refused.contains("no tensions keep the limits") && refused.contains("; cable"), "{refused}");
