@@ -1,4 +1,5 @@
-//! Orbits outside the static workspace: proofs against dense samples, the closed form against proofs, and the law that follows them.
+//! Orbits outside the static workspace: proofs against dense samples, the closed form against proofs, and the
+//! law that follows them.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -281,7 +282,8 @@ fn an_orbit_begins_in_its_centre_and_holds_no_command_longer_than_was_proved() {
     assert!(longer.contains("step = 0.002"), "{longer}");
 }
 
-/// How a platform that is a little off leaves the motion under its tensions, at a time (s) of the circle: the greatest κ, 1/s².
+/// How a platform that is a little off leaves the motion under its tensions, at a time (s) of the circle: the
+/// greatest κ, 1/s².
 fn kappa(time: f64) -> f64 {
     let (rig, trajectory) = (parameters().rig, circle().trajectory());
     swing(&rig, &trajectory.at(time).pose, &tensions_at(&rig, &trajectory, time))[1]
@@ -318,7 +320,8 @@ fn a_lost_pose_ends_in_the_proved_spiral_into_the_centre() {
     }
 }
 
-/// The drives hold their cables, as with brakes: cables of fixed lengths, as springs that pull only; or pull with nothing.
+/// The drives hold their cables, as with brakes: cables of fixed lengths, as springs that pull only; or pull
+/// with nothing.
 #[test]
 fn what_happens_when_the_drives_go_off() {
     const FINE: f64 = 1e-4;
@@ -396,7 +399,8 @@ fn every_number_that_makes_no_sense_is_named() {
     assert!(late.contains("step = 0.2") && late.contains("from 0 to 1.667e-1"), "{late}");
 }
 
-/// Eight cables share the load in many ways; the certificate shows one, and where there is none it names the cables.
+/// Eight cables share the load in many ways; the certificate shows one, and where there is none it names the
+/// cables.
 #[test]
 fn eight_cables_have_orbits_too() {
     let RigFile { rig, home, .. } = RigFile::parse(include_str!("../../rigs/eight.toml")).unwrap();

@@ -56,7 +56,8 @@ pub struct Orbit {
         conflicts_with_all = ["shape", "radius", "direction", "share", "lobes"]
     )]
     through: Option<[f64; 2]>,
-    /// x,y,z[,roll,pitch,yaw] of the centre, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll); without it the rig's home
+    /// x,y,z[,roll,pitch,yaw] of the centre, m and rad; R = Rz(yaw) Ry(pitch) Rx(roll); without it the rig's
+    /// home
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     from: Option<Pose>,
     /// z of the centre above or below the rig's home, m
@@ -68,7 +69,8 @@ pub struct Orbit {
     /// Turns at full size; without it 3, through a place 0
     #[arg(long, value_parser = finite, allow_negative_numbers = true)]
     turns: Option<f64>,
-    /// How long it grows from the centre, s, and how long a stop takes; without it the shortest found that is proved
+    /// How long it grows from the centre, s, and how long a stop takes; without it the shortest found that is
+    /// proved
     #[arg(long, value_parser = finite, allow_negative_numbers = true)]
     start: Option<f64>,
     /// For how long a command is held, s

@@ -6,7 +6,8 @@ use crate::reach::certificate::motion::Motion;
 use crate::reach::certificate::taylor::Taylor;
 
 impl Trajectory {
-    /// Times (s) of its start, its first turn at full size, as far as it goes, and its stop: it is smooth on each, and nothing else comes in between.
+    /// Times (s) of its start, its first turn at full size, as far as it goes, and its stop: it is smooth on
+    /// each, and nothing else comes in between.
     pub fn pieces(&self) -> [[f64; 2]; 3] {
         let stop = self.down.begin();
         let grown = self.up.end().min(stop);
@@ -60,7 +61,8 @@ mod tests {
     use crate::robot::Pose;
     use rand::{RngExt, SeedableRng};
 
-    /// Random orbits and stops: what is enclosed is what the law is led along, and rates and accelerations are the derivatives of the pose.
+    /// Random orbits and stops: what is enclosed is what the law is led along, and rates and accelerations
+    /// are the derivatives of the pose.
     #[test]
     fn the_enclosure_holds_the_motion_and_its_derivatives() {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(4);

@@ -1,4 +1,5 @@
-//! The controller of an orbit: the law with a moving reference, and the stop that it carries for when a pose makes no sense.
+//! The controller of an orbit: the law with a moving reference, and the stop that it carries for when a pose
+//! makes no sense.
 
 use super::{Orbit, OrbitError, Proof, Trajectory};
 use crate::control::{Commands, Estimator, ForceLoop, Reference, Response, lyapunov};
@@ -7,8 +8,9 @@ use crate::plan::planner::{Planner, Situation};
 use crate::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
 use crate::robot::{Coordinates, LEAST_CABLES, ParameterError, PerCable, Pose, dynamics};
 
-/// Leads the robot along a proved orbit, once. Heeds gains, limits, `pose_source`, `force_loop` and `command_delay` of the parameters; there is no planner,
-/// no observer of disturbances, and the goal is not read.
+/// Leads the robot along a proved orbit, once. Heeds gains, limits, `pose_source`, `force_loop` and
+/// `command_delay` of the parameters; there is no planner, no observer of disturbances, and the goal is not
+/// read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Follower {
     planner: Planner,
@@ -39,7 +41,8 @@ enum Mode {
 }
 
 impl Follower {
-    /// Proves the orbit for commands held for `hold` (s) and begins it at `time` (s), from rest at the measured pose.
+    /// Proves the orbit for commands held for `hold` (s) and begins it at `time` (s), from rest at the
+    /// measured pose.
     ///
     /// # Errors
     /// [`OrbitError`], also where the measured pose is not that of the centre.
@@ -105,7 +108,8 @@ impl Follower {
         &self.outputs
     }
 
-    /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs, which the motors then hold for `hold` (s).
+    /// Reads `inputs` measured at `time` (s, not decreasing) and computes the outputs, which the motors then
+    /// hold for `hold` (s).
     pub fn step(&mut self, time: f64, hold: f64, inputs: &ControllerInputs) {
         let dt = time - self.time;
         let acceleration = self.commands.mean(self.time, time);
@@ -135,7 +139,8 @@ impl Follower {
         jump(&pose, &self.estimator, dt, self.planner.size).map_or(Ok(pose), Err)
     }
 
-    /// From now on the first proved stop is made that can be begun, on predicted poses until one makes sense again.
+    /// From now on the first proved stop is made that can be begun, on predicted poses until one makes sense
+    /// again.
     fn lose(&mut self, fault: Fault) {
         self.mode = Mode::Stopping;
         self.outputs.fault = fault;
@@ -163,7 +168,8 @@ impl Follower {
         self.report();
     }
 
-    /// The tensions of the law (4) for the interval in which they act, within the limits, and the accelerations that they give.
+    /// The tensions of the law (4) for the interval in which they act, within the limits, and the
+    /// accelerations that they give.
     fn law(&self, hold: f64) -> Option<(PerCable<f64>, Coordinates)> {
         let (gains, rig) = (self.planner.parameters.gains(), &self.planner.parameters.rig);
         let Estimator { pose, rates, .. } = &self.estimator;
@@ -189,7 +195,8 @@ impl Follower {
         self.trajectory.at(time - self.begun)
     }
 
-    /// The reference in the middle of the interval in which a command acts, with the mean of its accelerations there.
+    /// The reference in the middle of the interval in which a command acts, with the mean of its
+    /// accelerations there.
     fn followed(&self, hold: f64) -> Reference {
         let begin = self.acts();
         let mut reference = self.reference(begin + 0.5 * hold);

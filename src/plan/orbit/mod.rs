@@ -1,4 +1,5 @@
-//! Periodic motions that may leave the static workspace: circles, lines and hypotrochoids that begin and end at rest in their centre. Derived in docs/orbit.md.
+//! Periodic motions that may leave the static workspace: circles, lines and hypotrochoids that begin and end
+//! at rest in their centre. Derived in docs/orbit.md.
 
 mod certificate;
 mod follower;
@@ -116,7 +117,8 @@ impl fmt::Display for Orbit {
     }
 }
 
-/// An orbit from rest to rest: with the figure grown from its centre, gone round, and shrunk into its centre again.
+/// An orbit from rest to rest: with the figure grown from its centre, gone round, and shrunk into its centre
+/// again.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Orbit {
     /// Where it begins and ends; height and orientation stay.
@@ -132,8 +134,9 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// √(g/h), rad/s: the rate at which a pendulum swings that is as long as the anchors are above `centre` on average, m. On a circle of this rate
-    /// the paper's robot pulls at its centre of mass as if it rested in the middle.
+    /// √(g/h), rad/s: the rate at which a pendulum swings that is as long as the anchors are above `centre`
+    /// on average, m. On a circle of this rate the paper's robot pulls at its centre of mass as if it rested
+    /// in the middle.
     pub fn natural_rate(rig: &Rig, centre: &Pose) -> f64 {
         let gravity = rig.gravity.norm();
         let height = (centre.position() - rig.middle()).dot(&rig.gravity) / gravity;
@@ -198,7 +201,8 @@ impl Orbit {
     }
 }
 
-/// An orbit in time, up to rest: P = C + b(t) F(Ω (t - T₁)), Eq. (O2), where b grows from 0 to 1 and, from some time on, falls to 0.
+/// An orbit in time, up to rest: P = C + b(t) F(Ω (t - T₁)), Eq. (O2), where b grows from 0 to 1 and, from
+/// some time on, falls to 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trajectory {
     orbit: Orbit,
@@ -254,8 +258,8 @@ impl Trajectory {
     }
 }
 
-/// The largest distance of p of the paper's robot from the middle on an orbit of this height above the platform z and gravity g, at most, m: Eq. (O4).
-/// Every cable is taut where that is less than a/2.
+/// The largest distance of p of the paper's robot from the middle on an orbit of this height above the
+/// platform z and gravity g, at most, m: Eq. (O4). Every cable is taut where that is less than a/2.
 pub fn reach_of_p(orbit: &Orbit, z: f64, g: f64) -> f64 {
     // Greatest |b'| T₁ and |b''| T₁² of (O3).
     const FIRST: f64 = 15.0 / 8.0;
@@ -275,7 +279,8 @@ mod tests {
     use nalgebra::Vector2;
     use rand::{RngExt, SeedableRng};
 
-    /// p = P + (z/g) P'' in dense samples of start, turn and stop; for short starts nearly all of (O4) is reached.
+    /// p = P + (z/g) P'' in dense samples of start, turn and stop; for short starts nearly all of (O4) is
+    /// reached.
     #[test]
     fn p_goes_no_farther_than_the_closed_form_says() {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(9);

@@ -1,4 +1,5 @@
-//! The proof of an orbit: its start, a turn at full size, its stop, and stops begun on the way. Derived in docs/orbit.md.
+//! The proof of an orbit: its start, a turn at full size, its stop, and stops begun on the way. Derived in
+//! docs/orbit.md.
 
 use std::fmt;
 
@@ -21,9 +22,11 @@ const SPANS_OF_A_TURN: f64 = 32.0;
 const MORE_SPANS: f64 = 8.0;
 /// Instants on the way up at which a stop may begin, at most.
 const EARLY: u32 = 48;
-/// Errors are looked at about rest: on the way they cost at most this many times as much, and as many times as the cables pull more.
+/// Errors are looked at about rest: on the way they cost at most this many times as much, and as many times
+/// as the cables pull more.
 const BETWEEN: f64 = 2.0;
-/// Where errors and held commands cost more than was left for them, an orbit is proved again, with this many times as much.
+/// Where errors and held commands cost more than was left for them, an orbit is proved again, with this many
+/// times as much.
 const MORE: f64 = 1.05;
 const PROOFS: usize = 2;
 /// Turns.
@@ -36,7 +39,8 @@ pub struct Proof {
     pub trajectory: Trajectory,
     /// What is kept from the limits for errors, what is not known and held commands, N.
     pub kept: f64,
-    /// Every tension is proved to be above this, N, on the way and on every stop (of more than six cables: there are such tensions), and
+    /// Every tension is proved to be above this, N, on the way and on every stop (of more than six cables:
+    /// there are such tensions), and
     pub least: f64,
     /// below this, N. Proved, not sharp.
     pub greatest: f64,
@@ -90,12 +94,14 @@ struct Question<'a> {
 }
 
 impl Orbit {
-    /// Proves that every tension keeps its limits on the start, a whole turn, the stop, and on a stop from each of 24 instants of a turn, for a robot that rests
-    /// in the centre up to `error` (m, rad) and gets a command every `hold` seconds. Stops on the way up are proved where they can be: from where they
+    /// Proves that every tension keeps its limits on the start, a whole turn, the stop, and on a stop from
+    /// each of 24 instants of a turn, for a robot that rests in the centre up to `error` (m, rad) and gets a
+    /// command every `hold` seconds. Stops on the way up are proved where they can be: from where they
     /// cannot, the robot goes on to the next.
     ///
     /// # Errors
-    /// [`OrbitError`]: a number that makes no sense, or the part that is not proved, with cable, time and tension.
+    /// [`OrbitError`]: a number that makes no sense, or the part that is not proved, with cable, time and
+    /// tension.
     pub fn prove(
         &self,
         parameters: &ControllerParameters,
@@ -130,7 +136,8 @@ impl Orbit {
         Err(ParameterError { name: "step".into(), value: hold, allowed: allowed.into() })
     }
 
-    /// What is not known costs, N, where it costs most of eight places of a turn; what an error costs at the centre, N; the greatest tension there, N.
+    /// What is not known costs, N, where it costs most of eight places of a turn; what an error costs at the
+    /// centre, N; the greatest tension there, N.
     fn costs(&self, planner: &Planner, error: &Coordinates) -> Result<(f64, f64, f64), OrbitError> {
         let turning = self.endless();
         let place = |k: u32| turning.at(self.start + self.period() * f64::from(k) / 8.0).pose;
@@ -190,7 +197,8 @@ impl Orbit {
         LONGEST_TRIED * self.period()
     }
 
-    /// The shortest start of those tried, down from four turns to an eighth of one, with which the orbit is proved.
+    /// The shortest start of those tried, down from four turns to an eighth of one, with which the orbit is
+    /// proved.
     pub fn with_shortest_start(&self, parameters: &ControllerParameters, hold: f64) -> Option<Self> {
         let start = |k: i32| self.longest_start() * libm::exp2(-0.125 * f64::from(k));
         let tried = (0..=40).rev().map(|k| Self { start: start(k), ..*self });
@@ -200,7 +208,8 @@ impl Orbit {
         found.is_ok().then_some(orbit)
     }
 
-    /// The quickest from rest to rest, with the shortest start of each, of those at its own rate and at lower ones, down to half of it.
+    /// The quickest from rest to rest, with the shortest start of each, of those at its own rate and at lower
+    /// ones, down to half of it.
     pub fn quickest(&self, parameters: &ControllerParameters, hold: f64) -> Option<Self> {
         let slower = (0..=8).map(|k| Self { rate: self.rate * libm::exp2(-0.125 * f64::from(k)), ..*self });
         let proved = slower.filter_map(|orbit| orbit.with_shortest_start(parameters, hold));
@@ -226,7 +235,8 @@ fn depends_on_start(found: &Result<Proof, OrbitError>) -> bool {
     matches!(found, Err(OrbitError::Refused(Refusal { part: Part::Start | Part::Stop(_), .. })))
 }
 
-/// What holding commands costs, N: docs/minimum-time.md, without what jumps of the tensions cost, for there are none.
+/// What holding commands costs, N: docs/minimum-time.md, without what jumps of the tensions cost, for there
+/// are none.
 fn held(parameters: &ControllerParameters, hold: f64, seen: &Seen) -> f64 {
     let gains = parameters.gains();
     let (span, sum) = (hold * (hold + parameters.command_delay), gains.lambda + gains.eta);

@@ -2,7 +2,8 @@
 
 use crate::reach::certificate::taylor::Taylor;
 
-/// b(t): a polynomial of degree 5 from any b, b', b'' to rest at another, Eq. (O3); before its begin and after its end as there.
+/// b(t): a polynomial of degree 5 from any b, b', b'' to rest at another, Eq. (O3); before its begin and
+/// after its end as there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
     begin: f64,

@@ -11,9 +11,10 @@ use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
 /// Halvings of the whole before a span counts as not to be told.
 const MOST_HALVINGS: i32 = 30;
 
-/// Shows that every tension is strictly within `limits` from one time until another (s); of more than six cables, that it can be. `motion` encloses what is within a
-/// half span of a time. Looks at spans no longer than `longest` (s), the shorter the sharper the bounds added to `seen`, and at no more than `spans`, which are taken
-/// from that number.
+/// Shows that every tension is strictly within `limits` from one time until another (s); of more than six
+/// cables, that it can be. `motion` encloses what is within a half span of a time. Looks at spans no longer
+/// than `longest` (s), the shorter the sharper the bounds added to `seen`, and at no more than `spans`, which
+/// are taken from that number.
 ///
 /// # Errors
 /// A [`Verdict`] that is not "admissible"; its time is that of the motion.
@@ -57,7 +58,8 @@ pub fn certify_motion(
     Ok(())
 }
 
-/// What the motion shows from one time until another, s; `inside` is told the tensions that are within the limits, and half the span.
+/// What the motion shows from one time until another, s; `inside` is told the tensions that are within the
+/// limits, and half the span.
 fn look(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
