@@ -60,7 +60,7 @@ pub struct Orbit {
     /// home
     #[arg(long, value_parser = pose, allow_hyphen_values = true)]
     from: Option<Pose>,
-    /// z of the centre above or below the rig's home, m
+    /// z of the centre, its x and y being those of the rig's home, m
     #[arg(long, value_parser = finite, allow_hyphen_values = true, conflicts_with = "from")]
     height: Option<f64>,
     /// Ω, rad/s; without it that of a pendulum as long as the anchors are above the centre
