@@ -132,6 +132,7 @@ fn info(version: Version, planner: PlannerKind, title: &str) -> RunInfo {
         controller: fmu(Model::Controller),
         plant: fmu(Model::Plant),
         rig: "Oh and Agrawal, Table I".to_owned(),
+        orbit: None,
         step: STEP,
         controller_parameters: ControllerParameters { planner, ..Default::default() },
         plant_parameters: Default::default(),

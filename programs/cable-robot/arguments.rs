@@ -17,6 +17,13 @@ pub fn pose(text: &str) -> Result<Pose, String> {
     Ok(Pose(pose))
 }
 
+/// Reads `x,y`.
+pub fn place(text: &str) -> Result<[f64; 2], String> {
+    let numbers = numbers(text)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("{count} numbers given; a place is x,y (m)"))
+}
+
 /// Reads `roll,pitch,yaw`.
 pub fn angles(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers(text)?;

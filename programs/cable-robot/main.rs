@@ -6,6 +6,7 @@ mod completions;
 mod figure;
 mod fmu;
 mod modelica;
+mod orbit;
 mod picture;
 mod plan;
 mod progress;
@@ -28,8 +29,8 @@ use clap::{Parser, Subcommand};
 const EXIT_CODES: &str = "\
 Frame: that of the rig file; the paper's rig has its origin at the centre of the base plane, z down. Metres, radians, newtons;
 orientations are R = Rz(yaw) Ry(pitch) Rx(roll).
-Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable, step not proved \
-or workspace empty, 4 a cable went slack, 130 interrupted.";
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable, step or orbit \
+not proved or workspace empty, 4 a cable went slack, 130 interrupted.";
 
 /// Exit code after Ctrl-C, as shells have it.
 const INTERRUPTED: u8 = 130;
@@ -53,6 +54,9 @@ enum Task {
     /// Set points from one pose to another, and why a goal cannot be had
     #[command(after_help = plan::EXAMPLE)]
     Plan(plan::Plan),
+    /// A periodic motion that may leave the static workspace, proved with its start and its stops
+    #[command(after_help = orbit::EXAMPLE)]
+    Orbit(orbit::Orbit),
     /// A scenario: controller and plant in a closed loop, as CSV or as a run folder
     #[command(after_help = simulate::EXAMPLE)]
     Simulate(simulate::Simulate),
@@ -99,6 +103,7 @@ fn main() -> ExitCode {
         Task::Workspace(task) => task.run(),
         Task::Reach(task) => task.run(),
         Task::Plan(task) => task.run(),
+        Task::Orbit(task) => task.run(),
         Task::Simulate(task) => task.run(),
         Task::Report(task) => task.run(),
         Task::Certify(task) => task.run(),

@@ -1,6 +1,7 @@
 //! What a step asks of the cables: the extreme tensions along its closed-form response, looked at densely.
 
 use super::minimum_time::Course;
+use super::orbit::Trajectory;
 use crate::control::{Gains, Reference, Response, response, tensions};
 use crate::robot::{Coordinates, Pose, Rig};
 
@@ -55,6 +56,14 @@ pub fn extremes_from(
 pub fn extremes_of_course(rig: &Rig, course: &Course) -> Option<Extremes> {
     let share = course.end() / (INSTANTS - 1) as f64;
     along(rig, (0..INSTANTS).map(|k| share * k as f64), |time| course.at(time))
+}
+
+/// The extremes of an orbit that begins at 0 s: of start, first turn and stop.
+pub fn extremes_of_orbit(rig: &Rig, trajectory: &Trajectory) -> Option<Extremes> {
+    let within = |[from, to]: [f64; 2]| {
+        (0..INSTANTS).map(move |k| from + (to - from) * k as f64 / (INSTANTS - 1) as f64)
+    };
+    along(rig, trajectory.pieces().into_iter().flat_map(within), |time| trajectory.at(time))
 }
 
 fn along(

@@ -14,6 +14,7 @@ mod margins;
 pub mod minimum_time;
 #[cfg(feature = "clarabel")]
 pub mod nearest;
+pub mod orbit;
 pub mod planner;
 pub mod prediction;
 #[cfg(feature = "clarabel")]

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use thiserror::Error;
 
 use super::{Plant, PlantInputs, PlantOutputs, PlantParameters};
+use crate::plan::orbit::Follower;
 use crate::plan::{Controller, ControllerInputs, ControllerOutputs, ControllerParameters};
 use crate::robot::{Coordinates, Pose};
 
@@ -59,6 +60,24 @@ impl ControllerModel for Controller {
             self.parameters().check_step(h)?;
         }
         Controller::step(self, time, h, inputs);
+        Ok(*self.outputs())
+    }
+}
+
+impl ControllerModel for Follower {
+    fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
+        *self = self.anew(inputs)?;
+        Ok(*self.outputs())
+    }
+
+    fn step(
+        &mut self,
+        time: f64,
+        h: f64,
+        inputs: &ControllerInputs,
+    ) -> Result<ControllerOutputs, ModelError> {
+        self.check_step(h)?;
+        Follower::step(self, time, h, inputs);
         Ok(*self.outputs())
     }
 }
@@ -279,11 +298,14 @@ impl<C: ControllerModel, P: PlantModel> ClosedLoop<C, P> {
     }
 }
 
-fn stopped<E: Into<ModelError>>(model: &'static str, time: f64) -> impl FnOnce(E) -> SimulationError {
+pub(super) fn stopped<E: Into<ModelError>>(
+    model: &'static str,
+    time: f64,
+) -> impl FnOnce(E) -> SimulationError {
     move |cause| SimulationError { model, time, cause: cause.into() }
 }
 
-fn inputs(plant: &PlantOutputs, goal: Pose, enable: bool) -> ControllerInputs {
+pub(super) fn inputs(plant: &PlantOutputs, goal: Pose, enable: bool) -> ControllerInputs {
     ControllerInputs {
         encoder_pose: plant.encoder_pose,
         cable_length: plant.cable_length,

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::PlantParameters;
 use crate::plan::ControllerParameters;
+use crate::plan::orbit::Orbit;
 use crate::robot::Pose;
 
 /// Steps that a simulation may have.
@@ -22,6 +23,8 @@ pub struct Scenario {
     pub controller: ControllerParameters,
     /// The plant: robot, start and imperfections.
     pub plant: PlantParameters,
+    /// Instead of goals: the orbit that the controller leads the robot along from the start on.
+    pub orbit: Option<Orbit>,
     /// Goals in the order of their times.
     pub goals: Vec<Goal>,
     /// Disturbances; where several act at once they add up.
@@ -105,6 +108,7 @@ mod tests {
             rig: String::new(),
             controller: ControllerParameters::default(),
             plant: PlantParameters::default(),
+            orbit: None,
             goals: [(0.3, 0.1), (0.7, 0.2)]
                 .map(|(time, x)| Goal { time, pose: Pose::at(x, 0.0, 1.0) })
                 .to_vec(),

@@ -1,6 +1,7 @@
 //! Scenarios written as TOML: what a file may say, and what is wrong with one that is refused (docs/scenarios.md).
 
 mod fields;
+mod orbit;
 
 use std::f64::consts::TAU;
 
@@ -13,12 +14,15 @@ use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
 use crate::checked_toml::{Checked, Refused};
 use crate::control::static_margin;
-use crate::plan::{ControllerParameters, PoseSource};
+use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
 use crate::robot::rig_file::without_null;
 use crate::robot::{Coordinates, ParameterError, Pose, Rig, TensionLimits};
 
 /// Step of a scenario that gives none, s.
 pub const DEFAULT_STEP: f64 = 1e-3;
+
+/// An orbit needs no planner; what is not known is heeded as with this one.
+const FOR_ORBITS: PlannerKind = PlannerKind::Exact;
 
 /// The text of a scenario, read but not yet joined with a rig.
 #[derive(Clone, Debug)]
@@ -82,6 +86,7 @@ impl ScenarioFile {
         let (duration, step) = self.times()?;
         let controller = self.controller(base);
         let plant = self.plant(&controller, self.start(&controller, home)?);
+        let orbit = self.orbit(&controller.rig, &plant.initial_pose)?;
         controller.validate().map_err(|error| self.locate(&error))?;
         plant.validate().map_err(|error| self.locate(&error))?;
         controller.check_step(step).map_err(|error| self.locate(&error))?;
@@ -90,6 +95,7 @@ impl ScenarioFile {
             rig: rig.to_owned(),
             controller,
             plant,
+            orbit,
             goals: self.goals(&controller.rig, ((duration - step) / ROUNDING).round() * ROUNDING)?,
             disturbances: self.disturbances(duration)?,
             duration,
@@ -114,7 +120,11 @@ impl ScenarioFile {
             eta: or(&given.eta, base.eta),
             planner_period: or(&given.planner_period, base.planner_period),
             bisection_steps: or(&given.bisection_steps, base.bisection_steps),
-            planner: given.planner.unwrap_or(base.planner),
+            planner: given.planner.unwrap_or(if self.file.orbit.is_some() {
+                FOR_ORBITS
+            } else {
+                base.planner
+            }),
             pose_source: pose_source.unwrap_or(base.pose_source),
             force_loop: given.force_loop.unwrap_or(base.force_loop),
             hold_compensation: given.hold_compensation.unwrap_or(base.hold_compensation),

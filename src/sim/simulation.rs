@@ -1,7 +1,8 @@
 //! A scenario under way.
 
+use super::closed_loop::{inputs, stopped};
 use super::{ClosedLoop, ControllerModel, Moment, Plant, PlantInputs, PlantModel, Scenario, SimulationError};
-use crate::plan::Controller;
+use crate::plan::orbit::Follower;
 
 /// A scenario and the closed loop that runs it.
 pub struct Simulation<'a> {
@@ -16,7 +17,7 @@ impl<'a> Simulation<'a> {
     /// [`SimulationError`] with the parameter that makes no sense.
     pub fn new(scenario: &'a Scenario) -> Result<Self, SimulationError> {
         let (controller, plant) = library_models(scenario)?;
-        Self::with_models(scenario, Box::new(controller), Box::new(plant))
+        Self::with_models(scenario, controller, Box::new(plant))
     }
 
     /// With these models, started.
@@ -57,9 +58,13 @@ impl<'a> Simulation<'a> {
 /// The library's controller and plant at the start of a scenario.
 ///
 /// # Errors
-/// [`SimulationError`] with the parameter that makes no sense.
-pub fn library_models(scenario: &Scenario) -> Result<(Controller, Plant), SimulationError> {
+/// [`SimulationError`] with the parameter that makes no sense, or why the orbit is not proved.
+pub fn library_models(scenario: &Scenario) -> Result<(Box<dyn ControllerModel>, Plant), SimulationError> {
+    let parameters = scenario.controller;
     let ClosedLoop { controller, plant, .. } =
-        ClosedLoop::new(scenario.controller, scenario.plant, scenario.goal_at(0.0))?;
-    Ok((controller, plant))
+        ClosedLoop::new(parameters, scenario.plant, scenario.goal_at(0.0))?;
+    let Some(orbit) = &scenario.orbit else { return Ok((Box::new(controller), plant)) };
+    let seen = inputs(plant.outputs(), orbit.centre, true);
+    let follower = Follower::new(orbit, &parameters, (0.0, scenario.step), &seen);
+    Ok((Box::new(follower.map_err(stopped("controller", 0.0))?), plant))
 }

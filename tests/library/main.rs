@@ -17,6 +17,7 @@ mod margins;
 mod margins_of_any_rig;
 mod mathematics;
 mod minimum_time;
+mod orbit;
 mod paper_manoeuvre;
 mod properties;
 mod random_rigs;

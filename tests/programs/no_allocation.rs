@@ -8,9 +8,10 @@ mod counting_allocator;
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
-use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
+use cable_robot::plan::orbit::{Figure, Follower, Orbit};
+use cable_robot::plan::{ControllerInputs, ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, RigFile, TensionLimits};
-use cable_robot::sim::{ClosedLoop, PlantParameters};
+use cable_robot::sim::{ClosedLoop, Plant, PlantInputs, PlantParameters};
 use cable_robot_fmi::abi::{fmi3::*, fmi3_values::*};
 use cable_robot_fmi::variables::Causality;
 use cable_robot_fmi::{CO_SIMULATION, Model};
@@ -98,6 +99,31 @@ fn the_fastest_motions_allocate_nothing() {
         let output = closed_loop.controller.outputs();
         assert!(output.set_point_index >= 4 && output.status == Status::SensorFault, "{output:?}");
     }
+}
+
+/// An orbit, and after a pose that makes no sense its stop.
+#[test]
+fn orbits_allocate_nothing() {
+    let (parameters, centre) = (ControllerParameters::default(), Pose::default());
+    let figure = Figure::Circle { radius: 0.4 };
+    let orbit = Orbit { centre, figure, rate: 2.75, turns: 1.0, start: 2.5 };
+    let plant = Plant::new(PlantParameters::default(), &PlantInputs::none(6)).unwrap();
+    let resting = ClosedLoop::new(parameters, PlantParameters::default(), centre).unwrap();
+    let seen = &resting.moment().controller_inputs;
+    let follower = Follower::new(&orbit, &parameters, (0.0, 1e-3), seen).unwrap();
+    let mut closed_loop = ClosedLoop::with_models(follower, plant, centre, &PlantInputs::none(6)).unwrap();
+    closed_loop.step(1e-3).unwrap();
+    let before = CALLS.get();
+    for k in 0..6000 {
+        let lose = |inputs: &mut ControllerInputs| {
+            if k == 3000 {
+                inputs.encoder_pose.0[0] += 5.0;
+            }
+        };
+        closed_loop.step_seeing(1e-3, lose).unwrap();
+    }
+    assert_eq!(CALLS.get() - before, 0, "allocations in 6000 steps");
+    assert_eq!(closed_loop.controller.outputs().status, Status::SensorFault);
 }
 
 /// Gains changed on the way, those that are taken and those that wait: also of a rig that is the paper's only turned.

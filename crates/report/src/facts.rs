@@ -38,10 +38,16 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
                 if controller.force_loop { "closed" } else { "open" }
             ),
         ),
-        (
-            "Planner",
-            format!("{planner}, T_s = {} s, N = {}", controller.planner_period, controller.bisection_steps),
-        ),
+        match &info.orbit {
+            Some(orbit) => ("Orbit", orbit.to_string()),
+            None => (
+                "Planner",
+                format!(
+                    "{planner}, T_s = {} s, N = {}",
+                    controller.planner_period, controller.bisection_steps
+                ),
+            ),
+        },
         ("Tension limits", limits(&controller.rig)),
         (
             "Imperfections",

@@ -230,6 +230,7 @@ mod tests {
             rig: String::new(),
             controller: Default::default(),
             plant: Default::default(),
+            orbit: None,
             goals: vec![],
             disturbances: vec![],
             duration: 0.1,

@@ -114,6 +114,7 @@ mod tests {
             rig: String::new(),
             controller: Default::default(),
             plant: PlantParameters::default(),
+            orbit: None,
             goals: vec![Goal { time: 0.0, pose: Pose::at(0.05, 0.0, 1.0) }],
             disturbances: vec![],
             duration: 1.0,

@@ -13,6 +13,7 @@ use super::Run;
 use super::files::{Part, probe, read_text};
 use super::table::{Table, TableError};
 use cable_robot::plan::ControllerParameters;
+use cable_robot::plan::orbit::Orbit;
 use cable_robot::robot::ParameterError;
 use cable_robot::robot::parameters::require;
 use cable_robot::sim::PlantParameters;
@@ -44,6 +45,9 @@ pub struct RunInfo {
     pub plant: Model,
     /// Name of the rig.
     pub rig: String,
+    /// The orbit that the controller led the robot along, if the run had one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orbit: Option<Orbit>,
     /// Time between two steps of the controller, s.
     pub step: f64,
     /// Robot, gains, planner and limits.

@@ -1,8 +1,8 @@
 //! `cable-robot figure`: the paper's figures, made again.
 
-mod chart;
+pub mod chart;
 mod domains;
-mod draw;
+pub mod draw;
 mod experiment;
 mod manoeuvre;
 mod response;

@@ -184,6 +184,7 @@ impl Simulate {
             rig: file.name,
             plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
             controller,
+            orbit: None,
             goals: vec![Goal { time: 0.0, pose: to }],
             disturbances: vec![],
             duration: self.duration,
@@ -195,7 +196,7 @@ impl Simulate {
     fn models(&self, scenario: &Scenario) -> Result<Models> {
         let (controller, plant) = library_models(scenario)?;
         let mut models = Models {
-            controller: Box::new(controller),
+            controller,
             plant: Box::new(plant),
             controller_info: run_folder::Model::Library,
             plant_info: run_folder::Model::Library,
@@ -204,6 +205,11 @@ impl Simulate {
         for path in &self.fmu {
             let fmu = fmu_model(path, scenario)?;
             let (info, lacking) = (fmu.info(), fmu.lacking());
+            ensure!(
+                fmu.model() != Model::Controller || scenario.orbit.is_none(),
+                "--fmu {}: a controller that is an FMU follows no orbit; a plant may be one",
+                path.display()
+            );
             let replaced = match fmu.model() {
                 Model::Controller => {
                     models.controller = Box::new(fmu);
@@ -241,6 +247,7 @@ impl Simulate {
             controller: models.controller_info.clone(),
             plant: models.plant_info.clone(),
             rig: scenario.rig.clone(),
+            orbit: scenario.orbit,
             step: scenario.step,
             controller_parameters: scenario.controller,
             plant_parameters: scenario.plant,

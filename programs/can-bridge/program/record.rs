@@ -168,6 +168,7 @@ impl Run {
             controller: controller.info(),
             plant: run_folder::Model::Rig,
             rig: config.name.clone(),
+            orbit: None,
             step: config.period as f64 * 1e-9,
             controller_parameters: controller.parameters(),
             plant_parameters: PlantParameters {

@@ -46,12 +46,18 @@ impl Seen {
         self.range.change()
     }
 
+    /// Bounds of all tensions, N.
+    pub fn extremes(&self) -> [f64; 2] {
+        let least = self.range.of_cable.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min);
+        [least, self.greatest()]
+    }
+
     /// The greatest tension, N.
     pub fn greatest(&self) -> f64 {
         self.range.of_cable.iter().map(|[_, greatest]| *greatest).fold(0.0, f64::max)
     }
 
-    fn include(&mut self, tensions: &[Taylor], half: f64) {
+    pub(super) fn include(&mut self, tensions: &[Taylor], half: f64) {
         self.range.include(tensions, 0.0);
         for tension in tensions {
             let [mut first, mut second] = [0.0; 2];

@@ -13,11 +13,13 @@ pub mod search;
 pub mod section;
 pub mod statics;
 pub mod taylor;
+pub mod timed;
 
 use thiserror::Error;
 
 pub use margins::Margins;
 pub use motion::Step;
+pub use timed::certify_motion;
 
 use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};

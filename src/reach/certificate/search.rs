@@ -71,12 +71,6 @@ pub fn walk(
 pub fn cover(step: &Step, spans: &mut usize, mut look: impl FnMut(Span) -> Finding) -> Result<(), Verdict> {
     let end = ARRIVED / step.slow_rate();
     let undecided = |time, resolution, cause| Verdict::Undecided { time, resolution, cause };
-    let refusal = |at_instant: Finding, instant| match at_instant {
-        Finding::Inside => None,
-        Finding::Beyond { verdict, .. } => Some(verdict),
-        Finding::Perhaps { time } => Some(undecided(time, 0.0, Cause::TooClose)),
-        Finding::Untold(cause) => Some(undecided(instant, 0.0, cause)),
-    };
     if !matches!(look(Span::From(end)), Finding::Inside) {
         let at_end = look(Span::Between(end, end));
         return Err(refusal(at_end, end).unwrap_or(undecided(end, f64::INFINITY, Cause::TooClose)));
@@ -114,6 +108,17 @@ pub fn cover(step: &Step, spans: &mut usize, mut look: impl FnMut(Span) -> Findi
         }
     }
     Err(undecided(time, width, cause))
+}
+
+/// The verdict of what an instant (s) shows; `None` where all is inside.
+pub fn refusal(shown: Finding, instant: f64) -> Option<Verdict> {
+    let undecided = |time, cause| Verdict::Undecided { time, resolution: 0.0, cause };
+    match shown {
+        Finding::Inside => None,
+        Finding::Beyond { verdict, .. } => Some(verdict),
+        Finding::Perhaps { time } => Some(undecided(time, Cause::TooClose)),
+        Finding::Untold(cause) => Some(undecided(instant, cause)),
+    }
 }
 
 /// The worst of the tensions; `None` where all are within the limits.

@@ -27,6 +27,9 @@ pub struct File {
     /// Time between two steps of the controller, s: greater than 0.
     #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0, "default" = 0.001))]
     pub step: Option<Spanned<f64>>,
+    /// Instead of goals: an orbit about the start, which it begins with.
+    #[schemars(with = "Orbit", default)]
+    pub orbit: Option<Spanned<Orbit>>,
     /// Goals in the order of their times; before the first one the robot holds its start.
     #[serde(default)]
     pub goals: Vec<Goal>,
@@ -39,6 +42,47 @@ pub struct File {
     /// Settings of the controller; what is left out is the rig's (gains, limits) or Table II's.
     #[serde(default)]
     pub controller: Controller,
+}
+
+/// An orbit from rest to rest, which may leave the static workspace.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Orbit {
+    /// What it draws.
+    pub shape: Shape,
+    /// R, m: of the circle, half the line, of the hypotrochoid's large circle; greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+    pub radius: Spanned<f64>,
+    /// Of the end at which a line begins, from the x axis towards y, rad; 0 if left out.
+    #[schemars(with = "f64", default)]
+    pub direction: Option<Spanned<f64>>,
+    /// Radius of a hypotrochoid's small circle, as a share of R: greater than 0; 0.15 if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    pub share: Option<Spanned<f64>>,
+    /// Lobes of a hypotrochoid: from 2 to 100; 3 if left out.
+    #[schemars(with = "u32", default, range(min = 2, max = 100))]
+    pub lobes: Option<Spanned<u32>>,
+    /// Ω, rad/s: greater than 0; that of a pendulum as long as the anchors are above the start if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    pub rate: Option<Spanned<f64>>,
+    /// Turns at full size: greater than 0; 3 if left out.
+    #[schemars(with = "f64", default, extend("exclusiveMinimum" = 0))]
+    pub turns: Option<Spanned<f64>>,
+    /// T₁, how long it grows from the centre, s: greater than 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+    pub start: Spanned<f64>,
+}
+
+/// What an orbit draws.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// About the start.
+    Circle,
+    /// To and fro, the start in its middle.
+    Line,
+    /// A circle and on it a smaller one that turns the other way round.
+    Hypotrochoid,
 }
 
 /// A goal and when it is given.

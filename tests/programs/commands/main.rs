@@ -5,6 +5,7 @@ mod completions;
 mod ctrl_c;
 mod figures;
 mod modelica;
+mod orbit;
 mod outputs;
 mod packed;
 mod report;

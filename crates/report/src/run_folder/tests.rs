@@ -15,6 +15,7 @@ fn run_folder(controller: Model) -> RunFolder {
         controller,
         plant: Model::Library,
         rig: "Table I".to_owned(),
+        orbit: None,
         step: 0.1,
         controller_parameters: ControllerParameters::default(),
         plant_parameters: PlantParameters::default(),
