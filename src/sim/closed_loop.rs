@@ -27,6 +27,17 @@ pub trait ControllerModel {
     /// What the model refuses.
     fn step(&mut self, time: f64, h: f64, inputs: &ControllerInputs)
     -> Result<ControllerOutputs, ModelError>;
+
+    /// Leads the way to the goal that is given next through these poses ([`Controller::pass_through`]).
+    ///
+    /// # Errors
+    /// Any way points, where the model takes none: an FMU has no input for them.
+    fn pass_through(&mut self, way_points: &[Pose]) -> Result<(), ModelError> {
+        match way_points {
+            [] => Ok(()),
+            _ => Err("goals[..].through: the library's controller alone takes way points".into()),
+        }
+    }
 }
 
 /// What the loop needs of a plant.
@@ -45,6 +56,10 @@ pub trait PlantModel {
 }
 
 impl ControllerModel for Controller {
+    fn pass_through(&mut self, way_points: &[Pose]) -> Result<(), ModelError> {
+        Ok(Controller::pass_through(self, way_points)?)
+    }
+
     fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
         *self = Controller::new(*self.parameters(), 0.0, inputs)?;
         Ok(*self.outputs())
@@ -95,6 +110,10 @@ impl PlantModel for Plant {
 }
 
 impl ControllerModel for Box<dyn ControllerModel + '_> {
+    fn pass_through(&mut self, way_points: &[Pose]) -> Result<(), ModelError> {
+        (**self).pass_through(way_points)
+    }
+
     fn start(&mut self, inputs: &ControllerInputs) -> Result<ControllerOutputs, ModelError> {
         (**self).start(inputs)
     }

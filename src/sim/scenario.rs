@@ -36,12 +36,21 @@ pub struct Scenario {
 }
 
 /// A goal and when it is given.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// s.
     pub time: f64,
     /// x_f.
     pub pose: Pose,
+    /// Way points, passed without a stop where that is proved.
+    pub through: Vec<Pose>,
+}
+
+impl Goal {
+    /// Straight on.
+    pub fn new(time: f64, pose: Pose) -> Self {
+        Self { time, pose, through: vec![] }
+    }
 }
 
 /// A force and a torque on the platform, both in the base frame, that act from one time until another.
@@ -79,8 +88,13 @@ pub fn count_steps(duration: f64, step: f64) -> Result<u64, String> {
 impl Scenario {
     /// The goal at `time` (s): before the first one is given, the start.
     pub fn goal_at(&self, time: f64) -> Pose {
-        let given = self.goals.iter().take_while(|goal| goal.time <= time + ROUNDING);
-        given.last().map_or(self.plant.initial_pose, |goal| goal.pose)
+        self.given_at(time).last().map_or(self.plant.initial_pose, |goal| goal.pose)
+    }
+
+    /// The goals given until `time` (s).
+    pub fn given_at(&self, time: f64) -> &[Goal] {
+        let given = self.goals.iter().take_while(|goal| goal.time <= time + ROUNDING).count();
+        &self.goals[..given]
     }
 
     /// Force (N) and torque (N m) on the platform in the step that begins at `time` (s).
@@ -109,9 +123,7 @@ mod tests {
             controller: ControllerParameters::default(),
             plant: PlantParameters::default(),
             orbit: None,
-            goals: [(0.3, 0.1), (0.7, 0.2)]
-                .map(|(time, x)| Goal { time, pose: Pose::at(x, 0.0, 1.0) })
-                .to_vec(),
+            goals: [(0.3, 0.1), (0.7, 0.2)].map(|(time, x)| Goal::new(time, Pose::at(x, 0.0, 1.0))).to_vec(),
             disturbances: vec![gust(0.3, 0.7, 1.0), gust(0.6, f64::INFINITY, 2.0)],
             duration: 1.0,
             step: 0.1,
@@ -124,7 +136,7 @@ mod tests {
         let x = |k: u32| scenario.goal_at(f64::from(k) * 0.1).0[0];
         assert_eq!([0, 2, 3, 6, 7, 10].map(x), [0.0, 0.0, 0.1, 0.1, 0.2, 0.2]);
         assert_eq!(scenario.goal_at(0.0), Pose::default());
-        let late = Scenario { goals: vec![Goal { time: 0.9, pose: Pose::at(0.1, 0.0, 1.0) }], ..scenario };
+        let late = Scenario { goals: vec![Goal::new(0.9, Pose::at(0.1, 0.0, 1.0))], ..scenario };
         assert!(3.0 * 0.3 < 0.9 && late.goal_at(3.0 * 0.3) != Pose::default(), "rounding delays nothing");
     }
 

@@ -14,6 +14,7 @@ use super::PlantParameters;
 use super::scenario::{Disturbance, Goal, ROUNDING, Scenario, count_steps};
 use crate::checked_toml::{Checked, Refused};
 use crate::control::static_margin;
+use crate::plan::through::MOST_WAY_POINTS;
 use crate::plan::{ControllerParameters, PlannerKind, PoseSource};
 use crate::robot::rig_file::without_null;
 use crate::robot::{Coordinates, ParameterError, Pose, Rig, TensionLimits};
@@ -96,7 +97,7 @@ impl ScenarioFile {
             controller,
             plant,
             orbit,
-            goals: self.goals(&controller.rig, ((duration - step) / ROUNDING).round() * ROUNDING)?,
+            goals: self.goals(&controller, ((duration - step) / ROUNDING).round() * ROUNDING)?,
             disturbances: self.disturbances(duration)?,
             duration,
             step,
@@ -177,7 +178,8 @@ impl ScenarioFile {
     }
 
     /// A goal that comes after the beginning of the last step is never given.
-    fn goals(&self, rig: &Rig, last: f64) -> Result<Vec<Goal>, Refused> {
+    fn goals(&self, controller: &ControllerParameters, last: f64) -> Result<Vec<Goal>, Refused> {
+        let rig = &controller.rig;
         let mut goals: Vec<Goal> = vec![];
         for (i, table) in self.file.goals.iter().enumerate() {
             let field = |name: &str| format!("goals[{}].{name}", i + 1);
@@ -188,7 +190,17 @@ impl ScenarioFile {
             let before = goals.last().map_or(f64::NEG_INFINITY, |goal| goal.time);
             let allowed = format!("must come after the goal before it, {before} s");
             self.check().require(time > before, &table.time, &field("time"), time, &allowed)?;
-            goals.push(Goal { time, pose: self.pose(rig, &table.pose, &field("pose"))? });
+            let mut through = vec![];
+            for (k, pose) in table.through.iter().enumerate() {
+                let taken = if controller.planner == PlannerKind::MinimumTime { MOST_WAY_POINTS } else { 0 };
+                let allowed = format!(
+                    "at most {MOST_WAY_POINTS} way points are taken, and with planner = \"minimum-time\" alone"
+                );
+                let field = format!("{}[{}]", field("through"), k + 1);
+                self.check().require(k < taken, pose, &field, format!("{:?}", pose.get_ref()), &allowed)?;
+                through.push(self.pose(rig, pose, &field)?);
+            }
+            goals.push(Goal { time, pose: self.pose(rig, &table.pose, &field("pose"))?, through });
         }
         Ok(goals)
     }

@@ -7,6 +7,8 @@ use crate::plan::orbit::Follower;
 /// A scenario and the closed loop that runs it.
 pub struct Simulation<'a> {
     scenario: &'a Scenario,
+    /// How many goals were.
+    given: usize,
     closed_loop: ClosedLoop<Box<dyn ControllerModel + 'a>, Box<dyn PlantModel + 'a>>,
 }
 
@@ -33,7 +35,7 @@ impl<'a> Simulation<'a> {
         let none = PlantInputs::none(scenario.plant.rig.cables.len());
         let outside = PlantInputs { disturbance_force, disturbance_torque, ..none };
         let closed_loop = ClosedLoop::with_models(controller, plant, scenario.goal_at(0.0), &outside)?;
-        Ok(Self { scenario, closed_loop })
+        Ok(Self { scenario, given: 0, closed_loop })
     }
 
     /// One step of the controller, then one of the plant.
@@ -42,6 +44,12 @@ impl<'a> Simulation<'a> {
     /// [`SimulationError`]: what a model refuses.
     pub fn step(&mut self) -> Result<(), SimulationError> {
         let time = self.closed_loop.moment().time;
+        let given = self.scenario.given_at(time);
+        if let Some(goal) = given.last().filter(|_| given.len() > self.given) {
+            let taken = self.closed_loop.controller.pass_through(&goal.through);
+            taken.map_err(stopped("controller", time))?;
+            self.given = given.len();
+        }
         self.closed_loop.goal = self.scenario.goal_at(time);
         (self.closed_loop.disturbance_force, self.closed_loop.disturbance_torque) =
             self.scenario.disturbance_at(time);

@@ -4,7 +4,7 @@ use cable_robot::control::{static_margin, tensions};
 use cable_robot::plan::through::{NoWay, Through};
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::robot::{Coordinates, Pose, RigFile};
-use cable_robot::sim::{ClosedLoop, PlantParameters};
+use cable_robot::sim::{ClosedLoop, PlantParameters, ScenarioFile, Simulation};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -162,4 +162,24 @@ fn a_way_that_cannot_be_is_refused_and_gone_in_parts_where_it_can() {
     let exact = ControllerParameters { planner: PlannerKind::Exact, ..parameters };
     let mut run = ClosedLoop::new(exact, plant, a).unwrap();
     assert!(run.controller.pass_through(&[b]).unwrap_err().to_string().contains("MinimumTime"));
+}
+
+#[test]
+fn a_scenario_leads_through_its_way_points() {
+    let text = "title = \"t\"\nduration = 2.0\nstep = 0.001\n[[goals]]\ntime = 0.1\npose = [0.15, 0.15, 1.0]\nthrough = [[0.1, 0.0, 1.0]]\n[controller]\nplanner = \"minimum-time\"\n";
+    let read = |text: &str| {
+        let file = ScenarioFile::parse(text).unwrap();
+        file.scenario("rig", Pose::default(), ControllerParameters::default())
+    };
+    let scenario = read(text).unwrap();
+    let mut run = Simulation::new(&scenario).unwrap();
+    let mut nearest = f64::INFINITY;
+    while run.moment().time < 1.9 {
+        run.step().unwrap();
+        nearest = nearest.min(run.moment().plant.encoder_pose.minus(&Pose::at(0.1, 0.0, 1.0)).amax());
+    }
+    assert!(nearest < 2e-3 && run.moment().controller.set_point_index == 1, "{nearest}");
+    let exact = text.replace("minimum-time", "exact");
+    let refused = read(&exact).unwrap_err().to_string();
+    assert!(refused.contains("goals[1].through[1]") && refused.contains("minimum-time"), "{refused}");
 }

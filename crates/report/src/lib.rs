@@ -33,7 +33,7 @@ mod tests {
     pub(super) fn run(planner: PlannerKind, duration: f64, noise: f64) -> RunFolder {
         let controller = ControllerParameters { planner, ..Default::default() };
         let plant = PlantParameters { load_cell_noise: noise, ..Default::default() };
-        let goal = |time: f64, x: f64, y: f64| Goal { time, pose: Pose::at(x, y, 1.0) };
+        let goal = |time: f64, x: f64, y: f64| Goal::new(time, Pose::at(x, y, 1.0));
         let scenario = Scenario {
             title: "A & B </script>".to_owned(),
             rig: "Table I".to_owned(),

@@ -115,7 +115,7 @@ mod tests {
             controller: Default::default(),
             plant: PlantParameters::default(),
             orbit: None,
-            goals: vec![Goal { time: 0.0, pose: Pose::at(0.05, 0.0, 1.0) }],
+            goals: vec![Goal::new(0.0, Pose::at(0.05, 0.0, 1.0))],
             disturbances: vec![],
             duration: 1.0,
             step: 0.1,

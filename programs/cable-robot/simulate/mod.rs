@@ -185,7 +185,7 @@ impl Simulate {
             plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
             controller,
             orbit: None,
-            goals: vec![Goal { time: 0.0, pose: to }],
+            goals: vec![Goal::new(0.0, to)],
             disturbances: vec![],
             duration: self.duration,
             step: self.step,

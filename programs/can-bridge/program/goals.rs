@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn goals_come_after_the_lift_and_not_again_after_a_release() {
-        let goals = [0.0, 1.0, 2.0].map(|time| Goal { time, pose: Pose::at(time, 0.0, 1.0) });
+        let goals = [0.0, 1.0, 2.0].map(|time| Goal::new(time, Pose::at(time, 0.0, 1.0)));
         let config = config();
         let mut table = Timetable::new(goals.to_vec(), &config);
         let mut due = |state, ms: u64| table.due(state, ms * 1_000_000).map(|pose| pose.0[0]);

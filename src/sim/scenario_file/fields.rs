@@ -95,6 +95,10 @@ pub struct Goal {
     /// x, y, z (m), or with roll, pitch, yaw (rad).
     #[schemars(with = "Vec<f64>", length(min = 3, max = 6))]
     pub pose: Spanned<Vec<f64>>,
+    /// Poses on the way to it, passed without a stop where that is proved: at most seven, and `minimum-time` alone takes them.
+    #[serde(default)]
+    #[schemars(with = "Vec<Vec<f64>>", length(max = 7))]
+    pub through: Vec<Spanned<Vec<f64>>>,
 }
 
 /// A force, a torque or both, in the base frame.

@@ -103,7 +103,7 @@ fn every_field_is_read() {
     assert_eq!((found.controller, found.plant), (controller, plant));
     assert_eq!((found.duration, found.step), (3.0, 0.01));
     let turned = Pose(Coordinates::new(0.0, 0.1, 1.0, 0.0, 0.0, 0.2));
-    let goals = [Goal { time: 0.5, pose: Pose::at(0.1, 0.0, 1.0) }, Goal { time: 1.0, pose: turned }];
+    let goals = [Goal::new(0.5, Pose::at(0.1, 0.0, 1.0)), Goal::new(1.0, turned)];
     assert_eq!(found.goals, goals);
     let [force, torque] = [Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.0, 0.0, 0.1)];
     let pulse = Disturbance { from: 1.0, until: 2.0, force, torque: Vector3::zeros() };
