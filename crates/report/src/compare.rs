@@ -102,21 +102,23 @@ fn difference(a: &Rig, b: &Rig) -> Option<String> {
     })
 }
 
-/// Rows of what people compare first.
+/// What people compare first.
+const RESULTS: [&str; 6] = [
+    "At the goal",
+    "Smallest tension",
+    "Greatest tension",
+    "Slack cables",
+    "Set points",
+    "Status at the end",
+];
+
+/// Rows of [`RESULTS`].
 fn results(histories: &[History; 2], summaries: &[Summary; 2]) -> String {
-    let names = [
-        "At the goal",
-        "Smallest tension",
-        "Greatest tension",
-        "Slack cables",
-        "Set points",
-        "Status at the end",
-    ];
     let [a, b] = [0, 1].map(|k| came_of(&histories[k], &summaries[k]));
-    names.iter().zip(a.iter().zip(&b)).map(|(name, both)| row(name, both.0, both.1)).collect()
+    RESULTS.iter().zip(a.iter().zip(&b)).map(|(name, both)| row(name, both.0, both.1)).collect()
 }
 
-/// In the order of [`results`].
+/// In the order of [`RESULTS`].
 fn came_of(history: &History, summary: &Summary) -> [Said; 6] {
     let reached = summary.time_to_goal.map(|time| format!("after {time:.3} s"));
     let smallest = summary.smallest_tension;
@@ -148,7 +150,7 @@ fn row(name: &str, a: &Said, b: &Said) -> String {
 fn differences<'a>(a: &[(&'a str, String)], b: &[(&'a str, String)]) -> (String, Vec<&'a str>) {
     let mut names: Vec<&str> = vec![];
     for (name, _) in a.iter().chain(b) {
-        if !names.contains(name) {
+        if !names.contains(name) && !RESULTS.contains(name) {
             names.push(name);
         }
     }
@@ -163,4 +165,60 @@ fn differences<'a>(a: &[(&'a str, String)], b: &[(&'a str, String)]) -> (String,
 fn drawn(data: &[Data; 2], histories: &[History; 2]) -> String {
     let of = |k: usize| format!("of {} {} of {} rows", LETTERS[k], data[k].rows(), histories[k].len());
     format!("Drawn are {}, {}.", of(0), of(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::run;
+    use cable_robot::plan::PlannerKind;
+
+    #[test]
+    fn two_planners_stand_side_by_side_in_one_page_that_stands_alone() {
+        let [a, b] = [PlannerKind::Bounded, PlannerKind::MinimumTime].map(|planner| run(planner, 2.0, 0.0));
+        let page = compare([&a, &b]).unwrap();
+        assert!(!page.contains("{{") && page.matches("</script>").count() == 3);
+        let (fast, smallest) = {
+            let summary = b.run().unwrap().summary();
+            (summary.time_to_goal.unwrap(), summary.smallest_tension.unwrap())
+        };
+        assert!(page.contains(&format!("<td class=\"bad\">not reached</td><td>after {fast:.3} s</td>")));
+        assert!(page.contains(&format!("<td>{smallest}</td></tr>")));
+        assert!(page.contains("<th scope=\"row\">Planner</th><td>Bounded"));
+        assert!(page.contains("The same in both: Controller, Plant, Rig, Robot, Law,"));
+        assert!(!page.contains("<th scope=\"row\">Rig</th>"), "what is the same is not listed");
+    }
+
+    #[test]
+    fn other_rigs_are_refused_with_what_differs() {
+        let a = run(PlannerKind::Bounded, 0.01, 0.0);
+        let said = |change: fn(&mut Rig)| {
+            let mut b = a.clone();
+            change(&mut b.info.plant_parameters.rig);
+            compare([&a, &b]).map_err(|error| error.to_string())
+        };
+        let differ = |change, what: &str| {
+            let said = said(change).unwrap_err();
+            assert!(said.starts_with(&format!("the runs are of different rigs: {what}; ")), "{said}");
+        };
+        differ(|rig| rig.mass = 5.0, "mass = 6 kg in A, 5 kg in B");
+        differ(|rig| rig.cables.truncate(5), "A has 6 cables, B 5");
+        differ(
+            |rig| rig.cables[2].attachment = [0.0, 0.5, 0.25].into(),
+            &format!(
+                "cable 3: attachment = {:?} m in A, [0.0, 0.5, 0.25] in B",
+                a.info.plant_parameters.rig.cables[2].attachment.as_slice()
+            ),
+        );
+        assert!(said(|rig| rig.cables[2].limits.max = 7.0).is_ok(), "limits are what one may compare");
+    }
+
+    #[test]
+    fn a_column_that_lacks_is_named_with_its_run() {
+        let a = run(PlannerKind::Bounded, 0.01, 0.0);
+        let mut b = a.clone();
+        b.table.drop_columns(&["plant.encoderPose.x".to_owned()]);
+        let said = compare([&a, &b]).unwrap_err().to_string();
+        assert_eq!(said, "run B: run.csv: line 1: there is no column \"plant.encoderPose.x\"");
+    }
 }

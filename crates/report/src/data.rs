@@ -268,3 +268,32 @@ fn facet(normal: [f64; 2], apothem: f64) -> [[f64; 2]; 2] {
 fn shortened(pose: &Pose) -> [f64; 6] {
     std::array::from_fn(|k| rounded(pose.0[k], FINE))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::run;
+
+    #[test]
+    fn the_reference_is_drawn_where_it_is_not_the_set_point() {
+        let folder = run(PlannerKind::Bounded, 1.0, 0.0);
+        let history = History::new(&folder).unwrap();
+        assert_eq!(reference(&history, &[0, 500, 1000]), None, "it rests at the set point");
+
+        let folder = run(PlannerKind::MinimumTime, 1.0, 0.0);
+        let history = History::new(&folder).unwrap();
+        let moving = history.run.times.iter().position(|time| *time > 0.3).unwrap();
+        let [x, ..] = reference(&history, &[0, moving, 700]).unwrap();
+        assert_eq!([x[0], x[2]], [None, None], "before and after the motion");
+        assert!((x[1].unwrap() - history.pose[moving].0[0]).abs() < 1e-3, "{x:?}");
+        assert!((x[1].unwrap() - history.set_point[moving].0[0]).abs() > 0.01, "{x:?}");
+    }
+
+    #[test]
+    fn what_is_kept_of_the_limits_is_what_the_planner_keeps() {
+        let kept_by = |planner| kept(&ControllerParameters { planner, ..Default::default() });
+        assert_eq!(kept_by(PlannerKind::Bounded), 0.0);
+        let weight = ControllerParameters::default().rig.weight();
+        assert!((kept_by(PlannerKind::MinimumTime) - 0.0017 * weight).abs() < 1e-12);
+    }
+}

@@ -51,7 +51,7 @@ const overlays = [
   ...COORDINATES.map((name, k) => overlaid("positions-charts", {
     name, id: name, unit: "m", digits: 4, column: (run) => run.rows.pose[k], more: (run) => [setPointColumn(run, k)], height: k === 2 ? 186 : 152, last: k === 2,
   })),
-  overlaid("smallest-chart", { name: "smallest tension", id: "smallest", unit: "N", digits: 3, column: smallestOf, height: 200, last: true, limits: [...new Set(runs.map((run) => run.limits.min))] }),
+  overlaid("smallest-chart", { name: "smallest tension", id: "smallest", unit: "N", digits: 3, column: smallestOf, height: 420, last: true, limits: [...new Set(runs.map((run) => run.limits.min))] }),
 ];
 
 // ---- time
