@@ -43,7 +43,17 @@ fn record_heavier(folder: &Path, rig: &Path) {
     let paper = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/paper.toml")).unwrap();
     fs::write(rig, paper.replace("mass = 6.0", "mass = 5.0")).unwrap();
     let [folder, rig] = [folder, rig].map(|path| path.to_str().unwrap());
-    let done = cable_robot(&["simulate", "--rig", rig, "--to", "0.15,0.15,1", "--duration", "1", "--output", folder]);
+    let done = cable_robot(&[
+        "simulate",
+        "--rig",
+        rig,
+        "--to",
+        "0.15,0.15,1",
+        "--duration",
+        "1",
+        "--output",
+        folder,
+    ]);
     assert!(done.status.success(), "{done:?}");
 }
 
