@@ -74,9 +74,19 @@ def test_what_came_of_them_is_what_the_files_say(open_report, both):
 
 def test_axes_are_the_same_and_the_shorter_run_can_fill_them(open_report, both):
     page = open_report(both)
-    scale = "([u, key]) => [...document.querySelectorAll('.u-over')].length"
-    assert page.evaluate(scale, ["", ""]) == 6
-    assert page.evaluate("String(tensionRange(runs))") == page.evaluate("String(tensionRange([...runs].reverse()))")
+    written = page.evaluate("""async () => {
+        const written = { a: [], b: [] }, { fillText } = CanvasRenderingContext2D.prototype;
+        CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+            written[this.canvas.closest("section").id.at(-1)].push([text, ...at]);
+            return fillText.call(this, text, ...at);
+        };
+        tensions.forEach((drawn) => drawn.redraw());
+        await new Promise((resolve) => setTimeout(resolve, 100));
+        CanvasRenderingContext2D.prototype.fillText = fillText;
+        return written;
+    }""")
+    numbers = [[text for text in written[letter] if not str(text[0]).startswith("u")] for letter in "ab"]
+    assert numbers[0] == numbers[1] and "12 s" in str(numbers[0]), "one axis of time, one of tension"
     hexagons = [page.locator(f"#plane-{letter} .hexagon").bounding_box() for letter in "ab"]
     assert hexagons[0]["width"] == pytest.approx(hexagons[1]["width"], abs=0.2), "one scale"
 
@@ -119,9 +129,10 @@ def test_p_is_at_the_border_as_long_as_the_fastest_motion_lasts(open_report, fas
     """Within what the plan keeps and the law's feedback; it crosses the middle in a jump, which is no way that it ran."""
     page = open_report(fast)
     inside = page.evaluate("rows.time.map((t, row) => [t, nearestFacet(run, row)?.distance])")
-    moving = [distance for time, distance in inside if 0.06 < time < 0.6]
-    assert len(moving) > 300 and sorted(moving)[int(0.97 * len(moving))] < 0.02 * APOTHEM, sorted(moving)[-20:]
-    assert min(moving) > 0
+    moving = sorted(distance for time, distance in inside if 0.06 < time < 0.6)
+    # 0.1 N, which the plan keeps, are 2 to 3 mm; a few rows are about the switch.
+    few = len(moving) // 30
+    assert len(moving) > 200 and moving[0] > 0 and 0.0018 < moving[few] and moving[-few] < 0.003, moving
     page.evaluate("seek(end)")
     page.wait_for_timeout(100)
     lengths = page.evaluate("""["p-trail", "p-jump"].map((name) => {

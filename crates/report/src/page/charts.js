@@ -24,7 +24,7 @@ function chart(box, run, { label, height, range, lines, limits = [], kept = [], 
     }))],
     hooks: {
       drawClear: [(u) => spans(u, run.disturbedSpans, colour("--soft") + "2e"), (u) => spans(u, run.slackSpans, colour("--slack") + "33")],
-      draw: [(u) => kept.forEach((value) => keptLine(u, value)), (u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines)],
+      draw: [(u) => kept.forEach((value) => keptLine(u, value)), (u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines), () => show(row)],
     },
   }, [time, ...lines.map((line) => line.values)], box);
   box.classList.add("chart");
@@ -37,18 +37,14 @@ function chart(box, run, { label, height, range, lines, limits = [], kept = [], 
     row = at;
     cursor.style.transform = `translateX(${plot.valToPos(time[at], "x").toFixed(1)}px)`;
   };
-  new ResizeObserver(() => {
-    plot.setSize({ width: Math.max(200, box.clientWidth), height });
-    show(row);
-  }).observe(box);
+  new ResizeObserver(() => plot.setSize({ width: Math.max(200, box.clientWidth), height })).observe(box);
   const point = (event) => scrub(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
   let pressed = false;
   plot.over.addEventListener("pointerdown", (event) => { pressed = true; plot.over.setPointerCapture(event.pointerId); point(event); });
   plot.over.addEventListener("pointermove", (event) => pressed && point(event));
   for (const end of ["pointerup", "pointercancel"]) plot.over.addEventListener(end, () => { pressed = false; });
-  /** After a change of `ends` as well. */
-  const redraw = () => { plot.setData(plot.data); show(row); };
-  return { show, redraw, focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
+  // Scales are found anew: `ends` may have changed.
+  return { show, redraw: () => plot.setData(plot.data), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
 }
 
 /** Background where a cable is slack, or the platform is disturbed. */
