@@ -13,7 +13,7 @@ use cable_robot_import::{LogMessage, Status};
 use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::files::write_whole;
 use cable_robot_report::run_folder::{self, FORMAT};
-use cable_robot_report::{Recording, RunFolder, RunInfo, Summary, Table, html};
+use cable_robot_report::{Recording, RunFolder, RunInfo, Summary, Table, compare, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{pack, project_root};
@@ -36,10 +36,13 @@ const RUNS: [(PlannerKind, &str, &str); 2] = [
     ),
 ];
 
+/// Both side by side.
+const COMPARISON: &str = "target/demo/comparison.html";
+
 /// Builds and packs the FMUs, runs them, prints what came of it, writes the run folders and the reports.
 pub fn run(version: Version) -> Result<()> {
     pack::build()?;
-    let mut rows = vec![];
+    let (mut rows, mut runs) = (vec![], vec![]);
     for (planner, title, folder) in RUNS {
         let folder = project_root().join(folder);
         run_folder::make(&folder)?;
@@ -53,13 +56,18 @@ pub fn run(version: Version) -> Result<()> {
         write_whole(&path, |file| file.write_all(page.as_bytes()))?;
         println!("report: {}\n", path.display());
         rows.push((planner, summary));
+        runs.push(recorded);
     }
-    compare(&rows);
+    let path = project_root().join(COMPARISON);
+    let page = compare([&runs[0], &runs[1]])?;
+    write_whole(&path, |file| file.write_all(page.as_bytes()))?;
+    print_rows(&rows);
+    println!("both in one report: {}", path.display());
     Ok(())
 }
 
 /// Side by side.
-fn compare(rows: &[(PlannerKind, Summary)]) {
+fn print_rows(rows: &[(PlannerKind, Summary)]) {
     println!(
         "{:<13} {:>15} {:>20} {:>12}",
         "planner", "at the goal (s)", "smallest tension (N)", "slack cables"

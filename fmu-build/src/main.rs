@@ -27,7 +27,7 @@ enum Task {
     /// Packs the FMUs, or writes their descriptions
     #[command(subcommand)]
     Fmu(FmuTask),
-    /// Packs the FMUs, runs the paper's manoeuvre through them, writes target/demo/report.html and run.csv
+    /// Packs the FMUs, runs the paper's manoeuvre through them, by its chain and in minimum time; writes target/demo/comparison.html, report.html and run.csv
     Demo {
         /// Version of FMI
         #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]

@@ -6,6 +6,7 @@ mod completions;
 mod figure;
 mod fmu;
 mod modelica;
+mod opener;
 mod orbit;
 mod picture;
 mod plan;
@@ -60,7 +61,7 @@ enum Task {
     /// A scenario: controller and plant in a closed loop, as CSV or as a run folder
     #[command(after_help = simulate::EXAMPLE)]
     Simulate(simulate::Simulate),
-    /// One HTML file of a run: robot, positions, tensions, plane, with a time scrubber
+    /// One HTML file of a run: robot, positions, tensions, plane, with a time scrubber; of two runs side by side
     #[command(after_help = report::EXAMPLE)]
     Report(report::Report),
     /// A proof that one step, in all six coordinates, keeps every tension within its limits

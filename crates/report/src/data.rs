@@ -6,7 +6,7 @@ use super::domains::domain;
 use super::explanation;
 use super::history::{History, status_name};
 use super::thinning::{drawn_rows, rounded};
-use cable_robot::plan::Status;
+use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::{Slice, polygon, static_workspace};
 use cable_robot::robot::triangles::FACET_NORMALS;
 use cable_robot::robot::{Pose, Rig};
@@ -65,6 +65,8 @@ struct Limits {
     min: f64,
     /// None where nothing limits the tensions.
     max: Option<f64>,
+    /// What the planner keeps from them at least, for what is not in its motion.
+    kept: f64,
 }
 
 #[derive(Serialize)]
@@ -87,6 +89,8 @@ struct Goal {
 struct Rows {
     time: Vec<f64>,
     pose: [Vec<f64>; 6],
+    /// What the law followed, where that is not the set point; `None` if it is everywhere.
+    reference: Option<[Vec<Option<f64>>; 6]>,
     tension: Vec<Vec<f64>>,
     predicted: Option<Vec<Vec<Option<f64>>>>,
     /// Bit i is set where cable i + 1 is slack.
@@ -128,7 +132,11 @@ impl Data {
             apothem,
             workspace,
             workspace_height,
-            limits: Limits { min: limits.min, max: limits.max.is_finite().then_some(limits.max) },
+            limits: Limits {
+                min: limits.min,
+                max: limits.max.is_finite().then_some(limits.max),
+                kept: kept(&history.info.controller_parameters),
+            },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
             colour_top: colour_top(rig, limits.max),
             statuses: Status::ALL.map(status_name),
@@ -162,6 +170,7 @@ impl Rows {
             pose: std::array::from_fn(|k| {
                 drawn.iter().map(|row| rounded(history.pose[*row].0[k], FINE)).collect()
             }),
+            reference: reference(history, drawn),
             tension: run.tension.iter().map(|column| of(column, NEWTON)).collect(),
             predicted: explanation::predicted(history, drawn)
                 .map(|rows| explanation::columns(&rows, cables).into_iter().map(newtons).collect()),
@@ -170,6 +179,28 @@ impl Rows {
             p: [0, 1].map(|k| points.iter().map(|p| p.map(|p| rounded(p[k], FINE))).collect()),
             status: history.status.as_ref().map(|status| drawn.iter().map(|row| status[*row]).collect()),
         }
+    }
+}
+
+fn reference(history: &History, drawn: &[usize]) -> Option<[Vec<Option<f64>>; 6]> {
+    let references = history.reference.as_ref()?;
+    let leads = |row: &usize| {
+        let (reference, set_point) = (&references[*row].pose, &history.set_point[*row]);
+        (history.law_at_work(*row) && set_point.minus(reference).amax() > 1.0 / FINE).then_some(reference)
+    };
+    drawn.iter().any(|row| leads(row).is_some()).then(|| {
+        let column = |k: usize| {
+            drawn.iter().map(|row| leads(row).map(|reference| rounded(reference.0[k], FINE))).collect()
+        };
+        std::array::from_fn(column)
+    })
+}
+
+/// What the planner keeps from the limits of tension at least, N: of `Bounded` only the set points do.
+pub fn kept(parameters: &ControllerParameters) -> f64 {
+    match parameters.planner {
+        PlannerKind::Bounded => 0.0,
+        PlannerKind::Exact | PlannerKind::MinimumTime => Planner::from(*parameters).allowance(),
     }
 }
 
@@ -236,4 +267,33 @@ fn facet(normal: [f64; 2], apothem: f64) -> [[f64; 2]; 2] {
 
 fn shortened(pose: &Pose) -> [f64; 6] {
     std::array::from_fn(|k| rounded(pose.0[k], FINE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::run;
+
+    #[test]
+    fn the_reference_is_drawn_where_it_is_not_the_set_point() {
+        let folder = run(PlannerKind::Bounded, 1.0, 0.0);
+        let history = History::new(&folder).unwrap();
+        assert_eq!(reference(&history, &[0, 500, 1000]), None, "it rests at the set point");
+
+        let folder = run(PlannerKind::MinimumTime, 1.0, 0.0);
+        let history = History::new(&folder).unwrap();
+        let moving = history.run.times.iter().position(|time| *time > 0.3).unwrap();
+        let [x, ..] = reference(&history, &[0, moving, 700]).unwrap();
+        assert_eq!([x[0], x[2]], [None, None], "before and after the motion");
+        assert!((x[1].unwrap() - history.pose[moving].0[0]).abs() < 1e-3, "{x:?}");
+        assert!((x[1].unwrap() - history.set_point[moving].0[0]).abs() > 0.01, "{x:?}");
+    }
+
+    #[test]
+    fn what_is_kept_of_the_limits_is_what_the_planner_keeps() {
+        let kept_by = |planner| kept(&ControllerParameters { planner, ..Default::default() });
+        assert_eq!(kept_by(PlannerKind::Bounded), 0.0);
+        let weight = ControllerParameters::default().rig.weight();
+        assert!((kept_by(PlannerKind::MinimumTime) - 0.0017 * weight).abs() < 1e-12);
+    }
 }

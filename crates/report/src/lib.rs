@@ -2,6 +2,7 @@
 //!
 //! `page/` holds the page's text, style and scripts; what they draw is reckoned in `data` and lies in the page as JSON.
 
+mod compare;
 mod data;
 mod domains;
 mod explanation;
@@ -15,6 +16,7 @@ pub mod run_folder;
 pub mod table;
 mod thinning;
 
+pub use compare::{CompareError, compare};
 pub use page::html;
 pub use recording::Recording;
 pub use run::{Run, SetPoint, Slack, SmallestTension, Summary};

@@ -3,8 +3,9 @@
 use std::fmt::Display;
 
 use quick_xml::escape::escape;
+use serde::Serialize;
 
-use super::data::{Data, MANY};
+use super::data::{Data, MANY, kept};
 use super::facts::{facts, first_of, limits};
 use super::history::{Arrival, History, status_name};
 use super::{RunFolder, Summary, TableError};
@@ -12,12 +13,16 @@ use cable_robot::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
+/// The bar at the bottom.
+const TIME: &str = include_str!("page/time.html");
+/// What pages of one run and of two share.
 const SCRIPTS: [&str; 4] = [
     include_str!("page/scene.js"),
     include_str!("page/plane.js"),
     include_str!("page/charts.js"),
-    include_str!("page/page.js"),
+    include_str!("page/time.js"),
 ];
+const SCRIPT: &str = include_str!("page/page.js");
 const UPLOT: &str = include_str!("page/uplot/uPlot.iife.min.js");
 const UPLOT_LICENCE: &str = include_str!("page/uplot/LICENSE");
 const UPLOT_STYLE: &str = include_str!("page/uplot/uPlot.min.css");
@@ -42,16 +47,26 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("figure_5", of_the_paper("Fig. 5", &history)),
         ("figure_6", of_the_paper("Fig. 6", &history)),
         ("p_source", p_source(&history).to_owned()),
+        ("predicted_by", predicted_by(&history).to_owned()),
         ("limits", limits(&history.info.controller_parameters.rig)),
+        ("kept_key", kept_key(&history)),
         ("drawn", drawn(data.rows(), history.len())),
+    ];
+    Ok(page(TEMPLATE, SCRIPT, &data, &places))
+}
+
+/// A template filled with `places`, and with style, scripts and what they draw.
+pub fn page(template: &str, script: &str, data: &impl Serialize, places: &[(&str, String)]) -> String {
+    let shared = [
+        ("time", TIME.to_owned()),
         ("uplot_css", UPLOT_STYLE.to_owned()),
         ("css", STYLE.to_owned()),
-        ("data", script_safe(&serde_json::to_string(&data).unwrap_or_default())),
+        ("data", script_safe(&serde_json::to_string(data).unwrap_or_default())),
         ("uplot_licence", UPLOT_LICENCE.to_owned()),
         ("uplot_js", UPLOT.to_owned()),
-        ("js", SCRIPTS.concat()),
+        ("js", SCRIPTS.concat() + script),
     ];
-    Ok(filled(TEMPLATE, &places))
+    filled(template, &[places, &shared].concat())
 }
 
 /// The template with each `{{name}}` replaced; what is put in is not looked at again.
@@ -78,6 +93,24 @@ fn disturbed_key(history: &History) -> &'static str {
         return "";
     }
     r#"<span><svg width="26" height="14" aria-hidden="true"><path class="disturbed-span" d="M1 1H25V13H1Z"/></svg>the platform is disturbed</span>"#
+}
+
+/// What gives the tensions that were predicted.
+fn predicted_by(history: &History) -> &'static str {
+    match history.info.controller_parameters.planner {
+        PlannerKind::Bounded | PlannerKind::Exact => "closed form",
+        PlannerKind::MinimumTime => "of the motion planned",
+    }
+}
+
+fn kept_key(history: &History) -> String {
+    let kept = kept(&history.info.controller_parameters);
+    if kept == 0.0 {
+        return String::new();
+    }
+    format!(
+        r#"<span><svg width="26" height="10" aria-hidden="true"><path class="kept" d="M1 5H25"/></svg>the plan keeps {kept:.3} N from them, or more</span>"#
+    )
 }
 
 /// A name in the paper, where the run is of the paper's rig and planner.

@@ -26,6 +26,8 @@ pub const RUN_CSV: &str = "run.csv";
 pub const RUN_JSON: &str = "run.json";
 /// The report of the run, where `cable-robot report` writes it.
 pub const REPORT_HTML: &str = "report.html";
+/// What compares it with another run, in the folder of the first.
+pub const COMPARISON_HTML: &str = "comparison.html";
 
 /// What was run, and with what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -243,12 +245,12 @@ pub fn make(folder: &Path) -> Result<(), RunFolderError> {
     [RUN_CSV, RUN_JSON].iter().try_for_each(|name| probe(&folder.join(name)))
 }
 
-/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, and its report.
+/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, and its reports.
 fn forget(folder: &Path) -> Result<(), RunFolderError> {
     if !folder.join(RUN_JSON).is_file() {
         return Ok(());
     }
-    for path in [REPORT_HTML, RUN_JSON].map(|name| folder.join(name)) {
+    for path in [REPORT_HTML, COMPARISON_HTML, RUN_JSON].map(|name| folder.join(name)) {
         match fs::remove_file(&path) {
             Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
                 return Err(RunFolderError::Write { path, reason });

@@ -3,17 +3,17 @@
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /**
- * A chart in `box`. `lines`: {values, colour, dash, step, name}, a name is written at the line's end. `limits`: values of red lines.
- * `scrub(time)` is called when a pointer presses or drags on it. Gives {show(row), focus(i), redraw()}.
+ * A chart in `box`. `lines`: {values, colour, dash, step, name}, a name is written at the line's end. `limits`: values of red lines, `kept`: of
+ * fainter ones, within which a planner keeps. `ends()`: from when to when, if that is not the run's own. `scrub(time)` is called when a pointer presses or drags on it. Gives {show(row), focus(i), redraw()}.
  */
-function chart(box, run, { label, height, range, lines, limits = [], last, scrub }) {
+function chart(box, run, { label, height, range, lines, limits = [], kept = [], last, scrub, ends }) {
   const { time } = run.rows;
-  const ends = [time[0], time.at(-1) > time[0] ? time.at(-1) : time[0] + 1];
+  const own = [time[0], time.at(-1) > time[0] ? time.at(-1) : time[0] + 1];
   const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
   const plot = new uPlot({
     width: Math.max(200, box.clientWidth), height, padding: [limits.some((value) => value > range[1]) ? 18 : 8, 26, last ? 0 : 6, 0], cursor: { show: false }, select: { show: false },
     legend: { show: false }, focus: { alpha: 0.16 },
-    scales: { x: { time: false, range: () => ends }, y: { range: () => range } },
+    scales: { x: { time: false, range: ends ?? (() => own) }, y: { range: () => range } },
     axes: [
       { ...axis, size: last ? 34 : 0, show: true, values: last ? (_, ticks) => ticks.map((t) => (t === ticks.at(-1) ? `${t} s` : t)) : () => [] },
       { ...axis, size: 48, space: 26 },
@@ -24,7 +24,7 @@ function chart(box, run, { label, height, range, lines, limits = [], last, scrub
     }))],
     hooks: {
       drawClear: [(u) => spans(u, run.disturbedSpans, colour("--soft") + "2e"), (u) => spans(u, run.slackSpans, colour("--slack") + "33")],
-      draw: [(u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines)],
+      draw: [(u) => kept.forEach((value) => keptLine(u, value)), (u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines), () => show(row)],
     },
   }, [time, ...lines.map((line) => line.values)], box);
   box.classList.add("chart");
@@ -37,16 +37,14 @@ function chart(box, run, { label, height, range, lines, limits = [], last, scrub
     row = at;
     cursor.style.transform = `translateX(${plot.valToPos(time[at], "x").toFixed(1)}px)`;
   };
-  new ResizeObserver(() => {
-    plot.setSize({ width: Math.max(200, box.clientWidth), height });
-    show(row);
-  }).observe(box);
+  new ResizeObserver(() => plot.setSize({ width: Math.max(200, box.clientWidth), height })).observe(box);
   const point = (event) => scrub(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
   let pressed = false;
   plot.over.addEventListener("pointerdown", (event) => { pressed = true; plot.over.setPointerCapture(event.pointerId); point(event); });
   plot.over.addEventListener("pointermove", (event) => pressed && point(event));
   for (const end of ["pointerup", "pointercancel"]) plot.over.addEventListener(end, () => { pressed = false; });
-  return { show, redraw: () => plot.redraw(), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
+  // Scales are found anew: `ends` may have changed.
+  return { show, redraw: () => plot.setData(plot.data), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
 }
 
 /** Background where a cable is slack, or the platform is disturbed. */
@@ -62,13 +60,22 @@ function spans(u, times, fill) {
 }
 
 function limitLine(u, value) {
+  if (u.valToPos(value, "y", true) < u.bbox.top - 1) limitNote(u, value);
+  levelLine(u, value, 1.5, [10, 3, 2, 3]);
+}
+
+function keptLine(u, value) {
+  levelLine(u, value, 1, [1, 3]);
+}
+
+/** A line across at a value within the axis. */
+function levelLine(u, value, lineWidth, dash) {
   const y = u.valToPos(value, "y", true), { left, top, width, height } = u.bbox;
-  if (y < top - 1) limitNote(u, value);
   if (y < top - 1 || y > top + height + 1) return;
   u.ctx.save();
   u.ctx.strokeStyle = colour("--slack");
-  u.ctx.lineWidth = 1.5 * devicePixelRatio;
-  u.ctx.setLineDash([10, 3, 2, 3].map((d) => d * devicePixelRatio));
+  u.ctx.lineWidth = lineWidth * devicePixelRatio;
+  u.ctx.setLineDash(dash.map((d) => d * devicePixelRatio));
   u.ctx.beginPath();
   u.ctx.moveTo(left, y);
   u.ctx.lineTo(left + width, y);
@@ -115,4 +122,46 @@ function rangeOf(columns, least) {
   const [low, high] = [bound(Math.min, values[0] ?? 0), bound(Math.max, values[0] ?? 0)];
   const room = Math.max(0.08 * (high - low), (least - (high - low)) / 2, 1e-9);
   return [low - room, high + room];
+}
+
+const swatch = (kind, colour = "--ink") =>
+  `<svg width="24" height="8" aria-hidden="true"><path class="${kind}" style="stroke: var(${colour})" d="M1 4H23"/></svg>`;
+
+/** A line of names and outputs above a chart, and the chart's box. */
+function chartWithHead(parent, html) {
+  const head = document.createElement("div"), box = document.createElement("div");
+  head.className = "chart-head";
+  head.innerHTML = html;
+  parent.append(head, box);
+  return { box, outputs: [...head.querySelectorAll("output")] };
+}
+
+/** A coordinate of the set point at each drawn row. */
+function setPointColumn({ rows, setPoints }, k) {
+  let active = 0;
+  return rows.time.map((_, row) => {
+    while (active + 1 < setPoints.length && setPoints[active + 1].row <= row) active++;
+    return setPoints[active].pose[k];
+  });
+}
+
+const smallestOf = ({ rows }) => rows.time.map((_, row) => Math.min(...rows.tension.map((column) => column[row])));
+
+// ---- tensions
+
+const tensionLines = (run) => [
+  ...run.rows.tension.map((values, i) => ({ values, colour: `--c${(i % 6) + 1}`, name: `u${i + 1}` })),
+  ...(run.rows.predicted ?? []).map((values) => ({ values, colour: "--ink", dash: [4, 7] })),
+];
+
+const limitsOf = (run) => [run.limits.min, run.limits.max].filter((value) => value !== null);
+/** What the planner keeps of them, where it keeps anything. */
+const keptOf = (run) => (run.limits.kept ? [run.limits.min + run.limits.kept, ...(run.limits.max === null ? [] : [run.limits.max - run.limits.kept])] : []);
+
+/** Of the tensions of all `runs`; a limit that is near their greatest is within it. */
+function tensionRange(runs) {
+  const top = Math.max(...runs.map((run) => run.tensionTop));
+  const near = runs.flatMap(limitsOf).filter((value) => value > top && value < 1.25 * top);
+  const [low, high] = rangeOf([...runs.flatMap(({ rows }) => [...rows.tension, ...(rows.predicted ?? [])]), near], 1);
+  return [Math.max(-0.4 * top, Math.min(low, -0.03 * top)), Math.min(high, 1.5 * top)];
 }

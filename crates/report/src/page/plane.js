@@ -1,7 +1,7 @@
 // The base plane as seen from below (x to the right, y up): workspace, reachable domains, path, and p, which tells why a cable goes slack.
 
-/** Draws the plane into `box`; gives `show(row)`. */
-function plane(box, run) {
+/** Draws the plane into `box`, as large as all `runs` that it is looked at beside allow; gives `show(row)`. */
+function plane(box, run, runs = [run]) {
   const { rows } = run, MANY = 12;
   let parts = null, row = 0, at = null;
 
@@ -9,9 +9,10 @@ function plane(box, run) {
   function scaled(width, height) {
     const reach = run.apothem ? 2.2 * run.apothem : Infinity;
     const near = (v) => Math.max(-reach, Math.min(reach, v));
-    const points = [...run.workspace, ...run.setPoints.map((s) => s.pose), ...run.goals.map((g) => g.pose)];
+    const points = runs.flatMap(({ workspace, setPoints, goals }) => [...workspace, ...setPoints.map((s) => s.pose), ...goals.map((g) => g.pose)]);
     const side = [0, 1].map((k) => {
-      const values = [...points.map((p) => near(p[k])), near(Math.min(...rows.pose[k])), near(Math.max(...rows.pose[k]))];
+      const ways = runs.flatMap((run) => [Math.min(...run.rows.pose[k]), Math.max(...run.rows.pose[k])]);
+      const values = [...points.map((p) => p[k]), ...ways].map(near);
       return [Math.min(...values), Math.max(...values)];
     });
     const [[left, right], [bottom, top]] = side;
@@ -27,6 +28,7 @@ function plane(box, run) {
     parts.domains = run.setPoints.map((s) => (s.domain ? line(s.domain, "domain", true) : null));
     scaleBar(svg, width, height);
     const thin = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 600) === 0 || k === all.length - 1);
+    parts.pJumps = shape(svg, "path", { class: "p-jump" });
     parts.pTrail = shape(svg, "path", { class: "p-trail" });
     parts.thin = thin;
     line(thin.map((k) => [rows.pose[0][k], rows.pose[1][k]]), "path ahead");
@@ -98,9 +100,20 @@ function plane(box, run) {
     const [gx, gy] = at(run.goals[activeAt(run.goals, row)].pose);
     set(parts.goal, { d: `M${gx - 7} ${gy - 7}l14 14m0 -14l-14 14` });
     nameGoal(gx, gy);
-    const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null);
-    set(parts.pTrail, { d: pathOf(past.map((k) => at([rows.p[0][k], rows.p[1][k]]))) });
+    trailP();
     moveP();
+  }
+
+  /** Where p was. It jumps with the tensions, and was nowhere between: only where it ran, or stood, is the line full. */
+  function trailP() {
+    const past = parts.thin.filter((k) => k <= row && rows.p[0][k] !== null).map((k) => [rows.p[0][k], rows.p[1][k]]);
+    let ran = "", jumps = "";
+    for (let k = 1; k < past.length; k++) {
+      const piece = pathOf([past[k - 1], past[k]].map(at));
+      if (Math.hypot(past[k][0] - past[k - 1][0], past[k][1] - past[k - 1][1]) > JUMP * run.apothem) jumps += piece; else ran += piece;
+    }
+    set(parts.pTrail, { d: ran });
+    set(parts.pJumps, { d: jumps });
   }
 
   function moveP() {
@@ -136,6 +149,8 @@ function plane(box, run) {
   return { show(to) { row = to; if (parts) move(); } };
 }
 
+/** What p goes between two drawn rows is a jump if it is more than this, as a part of the distance of a facet from the middle. */
+const JUMP = 0.2;
 /** Turned by more than this, rad, the platform's facets are somewhere else. */
 const LEVEL = 0.01;
 
