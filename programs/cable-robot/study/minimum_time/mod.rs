@@ -117,7 +117,7 @@ impl MinimumTime {
                 None => row.gone_on += 1,
             }
         }
-        // Kinds in turn: not always the same of six.
+        // The controller goes straight from one goal to the next, and so do these kinds.
         if (k / Kind::ALL.len() as u64).is_multiple_of(RUN) && kind != Kind::Through && kind != Kind::Lift {
             row.runs = Runs::of(&planned, &mut rng);
         }

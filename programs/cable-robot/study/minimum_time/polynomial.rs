@@ -101,7 +101,7 @@ impl Piece {
         let is_above = if limits.min > 0.0 {
             g.is_positive() && lower.is_positive()
         } else {
-            g.is_positive() || lower.scaled(-1.0).is_positive()
+            self.is_above(robot, limits.min, i, &g)
         };
         let is_below = limits.max == f64::INFINITY || upper.scaled(-1.0).is_positive();
         let is_outside_at = |end: usize| {
@@ -123,6 +123,15 @@ impl Piece {
                 .max()
                 .unwrap_or(Verdict::Undecided)
         }
+    }
+
+    /// Whether u ≥ `least`, which is 0 or negative: G ≥ c z/l, with the least z and the greatest l of the piece.
+    fn is_above(&self, robot: &RobotParameters, least: f64, i: usize, g: &Polynomial) -> bool {
+        let pick = |p: &Polynomial, pick: fn(f64, f64) -> f64| p.coefficients().into_iter().reduce(pick);
+        let lowest = pick(&self.position[2], f64::min).unwrap_or(0.0).max(0.0);
+        let longest = pick(&self.length_squared(robot, i), f64::max).unwrap_or(f64::INFINITY).sqrt();
+        let c = 3.0 * robot.a * least / robot.m;
+        g.plus(&Polynomial::constant(-c * lowest / longest)).is_positive()
     }
 
     fn g(&self, robot: &RobotParameters, i: usize) -> Polynomial {
@@ -200,21 +209,30 @@ impl Polynomial {
         self.0[end * (self.0.len() - 1)]
     }
 
+    /// Binomial coefficients of its degree.
+    fn binomials(&self) -> Vec<f64> {
+        let degree = self.0.len() - 1;
+        let row = (0..=degree).scan(1.0, |next, k| {
+            let this = *next;
+            *next *= (degree - k) as f64 / (k + 1) as f64;
+            Some(this)
+        });
+        row.collect()
+    }
+
+    /// Bernstein's: its values are between the least and the greatest of them.
+    fn coefficients(&self) -> Vec<f64> {
+        self.0.iter().zip(self.binomials()).map(|(c, binomial)| c / binomial).collect()
+    }
+
     /// By de Casteljau.
     fn halves(&self) -> [Self; 2] {
-        let degree = self.0.len() - 1;
-        let binomials: Vec<f64> = (0..=degree)
-            .scan(1.0, |next, k| {
-                let this = *next;
-                *next *= (degree - k) as f64 / (k + 1) as f64;
-                Some(this)
-            })
-            .collect();
-        let mut row: Vec<f64> = self.0.iter().zip(&binomials).map(|(c, binomial)| c / binomial).collect();
+        let (degree, binomials) = (self.0.len() - 1, self.binomials());
+        let mut row = self.coefficients();
         let (mut left, mut right) = (vec![0.0; degree + 1], vec![0.0; degree + 1]);
         for k in 0..=degree {
             left[k] = row[0] * binomials[k];
-            right[degree - k] = row[degree - k] * binomials[k];
+            right[degree - k] = row[degree - k] * binomials[degree - k];
             (0..degree - k).for_each(|j| row[j] = 0.5 * (row[j] + row[j + 1]));
         }
         [Self(left), Self(right)]
