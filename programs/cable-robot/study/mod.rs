@@ -4,6 +4,7 @@ mod cases;
 mod held;
 mod liveness;
 mod margins;
+mod minimum_time;
 mod plant;
 mod rigs;
 mod soundness;
@@ -40,6 +41,9 @@ pub enum Study {
     /// Every rig of a folder: workspace, planner, and goals through its packed FMUs
     #[command(after_help = rigs::EXAMPLE)]
     Rigs(rigs::Rigs),
+    /// Moves in minimum time, and stops on them: tensions by dense samples and by polynomials, times beside the optimum
+    #[command(after_help = minimum_time::EXAMPLE)]
+    MinimumTime(minimum_time::MinimumTime),
     /// Time to the goal with each planner
     #[command(after_help = time::EXAMPLE)]
     Time(time::Time),
@@ -54,6 +58,7 @@ impl Study {
             Study::Held(study) => study.run(),
             Study::Liveness(study) => study.run(),
             Study::Rigs(study) => study.run(),
+            Study::MinimumTime(study) => study.run(),
             Study::Time(study) => study.run(),
         }
     }
