@@ -94,7 +94,7 @@ impl MinimumTime {
         let planned = row.draw(kind, &mut rng);
         row.plans = Found::in_motion(&planned, &planned.timing);
         if let Way::Line { line, .. } = &planned.way
-            && k % COMPARED == 0
+            && k.is_multiple_of(COMPARED)
         {
             // Where the robot cannot rest on the grid there is no plan either: it would be a violation.
             row.excess = excess(&planned, line, CELLS).unwrap_or(f64::INFINITY);
