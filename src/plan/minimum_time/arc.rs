@@ -95,6 +95,14 @@ impl Timing {
         }
     }
 
+    /// The most that s'' changes by, rest before and after included, m/s².
+    pub(super) fn change(&self) -> f64 {
+        let ends = self.spans().flat_map(|(arc, duration)| [arc.a, arc.at(duration)[2]]);
+        let [least, greatest] =
+            ends.fold([0.0, 0.0], |[least, greatest], a: f64| [a.min(least), a.max(greatest)]);
+        greatest - least
+    }
+
     /// Its beginning, as far as `t` seconds.
     pub(super) fn until(&self, t: f64) -> Self {
         let arcs = self.arcs.iter().filter(|arc| arc.begin < t).copied().collect();

@@ -41,7 +41,7 @@ impl Way {
     }
 
     /// The section that leads on from s.
-    fn section(&self, s: f64) -> &Section {
+    pub(super) fn section(&self, s: f64) -> &Section {
         match self {
             Self::Line(_, section) => section,
             Self::Path(path) => path.way.section(s),

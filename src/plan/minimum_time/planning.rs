@@ -151,8 +151,10 @@ impl Planner {
         let path = Path { way, limits: self.limits(kept), fastest: f64::INFINITY };
         let mut sum = Sum::new(self.rig(), base.legs(), &path, end - begin);
         let (timing, seen) = sum.fastest(begin, end, &mut Work::of_a_decision())?;
-        let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()]);
-        let leg = Leg { way: course::Way::Path(path), timing, begin, held, kept };
+        let way = course::Way::Path(path);
+        let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()])
+            + self.cost_of_switches(&way, &timing, now.hold)?;
+        let leg = Leg { way, timing, begin, held, kept };
         margins.are_kept(kept, held, seen.greatest()).then(|| base.and(leg, goal))?
     }
 
@@ -229,6 +231,7 @@ impl Planner {
             let kept = margins.kept(spare);
             let Timed { way, timing, held, greatest, disturbed } =
                 self.timed((&places[0], last), path, kept, now.hold, work)?;
+            let held = held + self.cost_of_switches(&way, &timing, now.hold)?;
             if margins.are_kept(kept, held, greatest) {
                 return Some(Leg { way, timing, begin, held, kept: kept + disturbed });
             }
@@ -337,6 +340,19 @@ impl Planner {
         } else {
             self.share_of_holding(hold) * change
         }
+    }
+
+    /// What it costs, N, that a switch of s'' within an interval displaces the platform, by at most an eighth of what s'' changes by times h (h + d): an error that the law
+    /// takes back as its gains allow, and that costs by itself where they are low.
+    fn cost_of_switches(&self, way: &course::Way, timing: &Timing, hold: f64) -> Option<f64> {
+        let by = hold * (hold + self.parameters.command_delay) / 8.0 * timing.change();
+        let mut most = 0.0f64;
+        for s in [0.0, timing.end] {
+            let section = way.section(s);
+            let error = (section.slope(s) * by, Coordinates::zeros());
+            most = most.max(self.cost_of_error(&section.pose(s), &error)?);
+        }
+        Some(BETWEEN * most)
     }
 
     /// The greatest s', 1/s, of a way on which the platform moves by `linear` (m) and turns by `angular` (rad) for each unit of s. A cable's end moves
