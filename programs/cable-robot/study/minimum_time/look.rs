@@ -91,7 +91,8 @@ impl Found {
 
 /// Whether each arc begins where and as fast as the one before ends, the last at rest at the motion's end, which is on the way.
 fn is_whole(planned: &Move, timing: &Timing) -> bool {
-    let fastest = timing.arcs().iter().map(|arc| arc.v).fold(0.0, f64::max);
+    // Of the way that is planned: a stop that begins nearly at rest has the rounding of the whole way.
+    let fastest = planned.timing.arcs().iter().map(|arc| arc.v).fold(0.0, f64::max);
     let next = timing.arcs().iter().skip(1).map(|arc| [arc.s, arc.v]).chain([[timing.end, 0.0]]);
     let mut joints = timing.spans().zip(next).map(|((arc, duration), [s, v])| {
         let [at, speed, _] = arc.at(duration);
