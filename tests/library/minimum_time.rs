@@ -190,3 +190,29 @@ fn a_lost_pose_ends_in_a_stop_on_the_line() {
         assert!(speed < 1e-3 && aside < 1e-3 && at.minus(&seen).norm() < 0.25, "{moment:?}");
     }
 }
+
+/// Found by `study held --planner minimum-time --runs 10000 --seed 11`, run 3177. Commands that are held over a switch displace the platform, and low gains take that back slowly: the
+/// displacement itself was not reckoned with.
+#[test]
+fn commands_held_long_over_a_switch_with_low_gains_slacken_no_cable() {
+    let step = 0.015278289267636032;
+    let parameters = ControllerParameters {
+        lambda: 0.5030712770288837,
+        eta: 0.7292116826633246,
+        command_delay: step,
+        ..parameters(PlannerKind::MinimumTime, 3.0)
+    };
+    let pose = |numbers: [f64; 6]| Pose(Coordinates::from(numbers));
+    let goals = [
+        (2.239, pose([-0.03261, 0.05084, 0.75826, 0.43667, 0.20428, -1.25627])),
+        (3.296, pose([-0.05482, 0.00491, 0.78653, 0.14769, -0.19821, -0.8234])),
+    ];
+    let mut run = closed_loop(parameters, Pose::default());
+    run.is_late = true;
+    while run.moment().time < 12.0 {
+        let given = goals.iter().rfind(|(time, _)| *time <= run.moment().time);
+        run.goal = given.map_or(Pose::default(), |(_, goal)| *goal);
+        let moment = run.step(step).unwrap();
+        assert_eq!(moment.plant.slack, [false; 6], "{moment:?}");
+    }
+}
