@@ -247,7 +247,7 @@ impl Course {
 }
 
 /// Adds a motion, counted from where it rests.
-fn add(sum: &mut Reference, led: &Reference, rest: &Pose) {
+pub(super) fn add(sum: &mut Reference, led: &Reference, rest: &Pose) {
     sum.pose.0 += led.pose.0 - rest.0;
     sum.rates += led.rates;
     sum.accelerations += led.accelerations;

@@ -5,7 +5,7 @@
 
 use super::arc::Timing;
 use super::conditions::between;
-use super::course::{Leg, Way, led};
+use super::course::{Leg, Way, add, led};
 use super::path::{Path, Work, narrowed_at_first};
 use crate::control::Reference;
 use crate::plan::planner::STEEPEST;
@@ -149,10 +149,7 @@ impl<'a> Sum<'a> {
         sum.rates = way * rate;
         for leg in self.legs {
             if let Some(Part { section, s, v, a, .. }) = leg.part(instant, time) {
-                let led = led(&section, [s, v, a]);
-                sum.pose.0 += led.pose.0 - leg.end_pose().0;
-                sum.rates += led.rates;
-                sum.accelerations += led.accelerations;
+                add(&mut sum, &led(&section, [s, v, a]), &leg.end_pose());
             }
         }
         if !self.rig.can_be_at(&sum.pose) || sum.pose.0[PITCH].abs() >= STEEPEST {
