@@ -72,9 +72,9 @@ def test_what_came_of_them_is_what_the_files_say(open_report, both):
     assert "Planner" in differ and "Robot" not in differ
 
 
-def test_axes_are_the_same_and_the_shorter_run_can_fill_them(open_report, both):
-    page = open_report(both)
-    written = page.evaluate("""async () => {
+def texts_of_tension_charts(page) -> dict[str, list]:
+    """Of either run: what is written, and where."""
+    return page.evaluate("""async () => {
         const written = { a: [], b: [] }, { fillText } = CanvasRenderingContext2D.prototype;
         CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
             written[this.canvas.closest("section").id.at(-1)].push([text, ...at]);
@@ -85,6 +85,11 @@ def test_axes_are_the_same_and_the_shorter_run_can_fill_them(open_report, both):
         CanvasRenderingContext2D.prototype.fillText = fillText;
         return written;
     }""")
+
+
+def test_axes_are_the_same_and_the_shorter_run_can_fill_them(open_report, both):
+    page = open_report(both)
+    written = texts_of_tension_charts(page)
     numbers = [[text for text in written[letter] if not str(text[0]).startswith("u")] for letter in "ab"]
     assert numbers[0] == numbers[1] and "12 s" in str(numbers[0]), "one axis of time, one of tension"
     hexagons = [page.locator(f"#plane-{letter} .hexagon").bounding_box() for letter in "ab"]
@@ -103,6 +108,20 @@ def test_axes_are_the_same_and_the_shorter_run_can_fill_them(open_report, both):
     assert clock(page) <= 2.0
     page.locator("#zoom").click()
     assert "of 12.00 s" in page.locator("#clock").inner_text()
+
+
+def test_names_stand_where_the_lines_end_that_are_drawn(open_report, both):
+    page = open_report(both)
+    page.locator("#zoom").click()
+    written = {text: y for text, _, y in texts_of_tension_charts(page)["a"]}
+    ticks = {float(text): y for text, y in written.items() if re.fullmatch(r"[0-9.]+", text) and 0 < float(text) < 100}
+    (low, y_low), (high, y_high) = min(ticks.items()), max(ticks.items())
+    drawn = {f"u{i}": nearest(both.runs["a"], 2.0, f"plant.measuredTension[{i}]") for i in range(1, 7)}
+    for name, tension in drawn.items():
+        alone = min(abs(tension - other) for u, other in drawn.items() if u != name)
+        expected = y_low + (tension - low) * (y_high - y_low) / (high - low)
+        if alone * abs((y_high - y_low) / (high - low)) > 24:
+            assert written[name] == pytest.approx(expected, abs=4), f"{name} pulls {tension} N at 2 s"
 
 
 @pytest.mark.parametrize("window", WINDOWS)

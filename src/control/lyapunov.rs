@@ -2,7 +2,7 @@
 
 use super::tensions::tensions;
 use super::{Gains, Reference};
-use crate::robot::{Coordinates, PerCable, Pose, Rig};
+use crate::robot::{Coordinates, PerCable, Pose, Rig, dynamics};
 
 /// s = (x' - r') + λ (x - r), Eq. (2); angles are subtracted the short way round.
 pub fn sliding_variable(
@@ -38,4 +38,18 @@ pub fn tension_command(
     margin: f64,
 ) -> Option<PerCable<f64>> {
     tensions(rig, pose, rates, &acceleration(gains, pose, rates, reference), margin)
+}
+
+/// The accelerations of the coordinates that a command gives: those of the law, unless the limits have `clipped` its tensions to others.
+pub fn imposed(
+    rig: &Rig,
+    gains: &Gains,
+    (pose, rates): (&Pose, &Coordinates),
+    reference: &Reference,
+    clipped: Option<&PerCable<f64>>,
+) -> Coordinates {
+    match clipped {
+        Some(tensions) => dynamics::accelerations(rig, pose, rates, tensions),
+        None => acceleration(gains, pose, rates, reference),
+    }
 }

@@ -20,4 +20,15 @@ impl Reference {
     pub fn resting(pose: &Pose) -> Self {
         Self { pose: *pose, rates: Coordinates::zeros(), accelerations: Coordinates::zeros() }
     }
+
+    /// What a command that acts from `begin` on for `hold` is computed for: a motion at the time `at` (all in s), with the mean of its accelerations while
+    /// the command acts.
+    pub fn held(motion: impl Fn(f64) -> Self, at: f64, begin: f64, hold: f64) -> Self {
+        let mut reference = motion(at);
+        if hold > 0.0 {
+            let [before, after] = [begin, begin + hold].map(|time| motion(time).rates);
+            reference.accelerations = (after - before) / hold;
+        }
+        reference
+    }
 }

@@ -1,6 +1,6 @@
 //! Eqs. (12) and (13): how a coordinate under the law (4) moves, in closed form, from rest or from any velocity.
 
-use super::Gains;
+use super::{Gains, Reference};
 use crate::robot::{Coordinates, Pose};
 
 /// Time constants of the slower gain after which the robot is taken to rest.
@@ -67,6 +67,17 @@ impl Response {
     /// The error of the six coordinates and its two derivatives, of one that began with `error` and `rates`: about a reference at rest or in motion.
     pub fn error_of(&self, error: &Coordinates, rates: &Coordinates) -> [Coordinates; 3] {
         std::array::from_fn(|k| error * self.f[k] + rates * self.phi[k])
+    }
+
+    /// Pose and rates that were these when the reference was `began`, now that it is `now`.
+    pub fn carry(
+        &self,
+        (pose, rates): (Pose, Coordinates),
+        began: &Reference,
+        now: &Reference,
+    ) -> (Pose, Coordinates) {
+        let [error, change, _] = self.error_of(&pose.minus(&began.pose), &(rates - began.rates));
+        (Pose(now.pose.0 + error), now.rates + change)
     }
 
     /// f and φ.

@@ -97,7 +97,7 @@ impl Controller {
         parameters.validate()?;
         parameters.check_start(&inputs.encoder_pose)?;
         let planner = Planner::from(parameters);
-        let outputs = ControllerOutputs::at_rest(&inputs.encoder_pose, &least(&planner));
+        let outputs = ControllerOutputs::at_rest(&inputs.encoder_pose, &planner.rig().least_tensions());
         let estimator = Estimator::at_rest(inputs.encoder_pose);
         let state = (&estimator.pose, &estimator.rates);
         let prediction = planning::prediction(&planner, state, &outputs.set_point, time, 0.0);
@@ -184,7 +184,7 @@ impl Controller {
         if self.encoder_pose(inputs).is_ok() {
             self.estimator = Estimator::at_rest(inputs.encoder_pose);
         }
-        self.outputs = ControllerOutputs::at_rest(&self.estimator.pose, &least(&self.planner));
+        self.outputs = ControllerOutputs::at_rest(&self.estimator.pose, &self.planner.rig().least_tensions());
         self.aim = inputs.goal_pose;
         self.start_here();
         self.sense(inputs, 0.0);
@@ -265,14 +265,6 @@ impl Controller {
         self.course.as_ref().is_some_and(|course| self.time < course.end())
     }
 
-    fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
-        let rig = self.planner.rig();
-        PerCable::from_fn(tension.len(), |i| {
-            let limits = rig.cables[i].limits;
-            tension[i].clamp(limits.min, limits.max)
-        })
-    }
-
     fn report(&mut self, goal: &Pose) {
         // Once at rest, noise does not end it at once.
         let [of_pose, of_rates] = if self.outputs.steady { STILL_AT_REST } else { [1.0; 2] };
@@ -315,9 +307,4 @@ fn estimated_mass(rig: &Rig) -> f64 {
     let gravity = rig.gravity.norm_squared();
     let force = rig.disturbance.fixed_rows::<3>(0);
     if gravity > 0.0 { rig.mass + force.dot(&rig.gravity) / gravity } else { rig.mass }
-}
-
-/// The least tension of each cable, N.
-fn least(planner: &Planner) -> PerCable<f64> {
-    planner.rig().limits().map(|limits| limits.min)
 }

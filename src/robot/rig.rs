@@ -150,6 +150,19 @@ impl Rig {
         self.cables.map(|cable| cable.limits)
     }
 
+    /// The least tension of each cable, N.
+    pub fn least_tensions(&self) -> PerCable<f64> {
+        self.cables.map(|cable| cable.limits.min)
+    }
+
+    /// Tensions (N) as near as the limits of each cable let them be.
+    pub fn clamped(&self, tensions: &PerCable<f64>) -> PerCable<f64> {
+        PerCable::from_fn(tensions.len(), |i| {
+            let TensionLimits { min, max } = self.cables[i].limits;
+            tensions[i].clamp(min, max)
+        })
+    }
+
     /// The same rig with other limits, the same for each cable.
     #[must_use]
     pub fn with_limits(mut self, limits: TensionLimits) -> Self {

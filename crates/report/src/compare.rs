@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::data::Data;
 use super::facts::{facts, slack_in_words};
 use super::history::{History, status_name};
-use super::page::page;
+use super::page::{disturbed_key, kept_key, page};
 use super::{RunFolder, Summary, TableError};
 use cable_robot::plan::Status;
 use cable_robot::robot::Rig;
@@ -64,6 +64,8 @@ pub fn compare(runs: [&RunFolder; 2]) -> Result<String, CompareError> {
         ("title_b", title_b),
         ("results", results(&histories, &summaries)),
         ("differences", differences),
+        ("disturbed_key", disturbed_key(histories.each_ref()).to_owned()),
+        ("kept_key", kept_key(histories.each_ref())),
         ("same", escape(same.join(", ")).into_owned()),
         ("drawn", drawn(&data, &histories)),
     ];
@@ -188,6 +190,8 @@ mod tests {
         assert!(page.contains("<th scope=\"row\">Planner</th><td>Bounded"));
         assert!(page.contains("The same in both: Controller, Plant, Rig, Robot, Law,"));
         assert!(!page.contains("<th scope=\"row\">Rig</th>"), "what is the same is not listed");
+        assert!(page.contains("the plan keeps 0.100 N from them, or more"), "of B; A keeps nothing");
+        assert!(!page.contains("the platform is disturbed"));
     }
 
     #[test]

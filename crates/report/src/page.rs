@@ -43,13 +43,13 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("set_points", set_points(&history, turned)),
         ("more_set_points", more_set_points(&history)),
         ("angle_heads", angle_heads(turned).to_owned()),
-        ("disturbed_key", disturbed_key(&history).to_owned()),
+        ("disturbed_key", disturbed_key([&history]).to_owned()),
         ("figure_5", of_the_paper("Fig. 5", &history)),
         ("figure_6", of_the_paper("Fig. 6", &history)),
         ("p_source", p_source(&history).to_owned()),
         ("predicted_by", predicted_by(&history).to_owned()),
         ("limits", limits(&history.info.controller_parameters.rig)),
-        ("kept_key", kept_key(&history)),
+        ("kept_key", kept_key([&history])),
         ("drawn", drawn(data.rows(), history.len())),
     ];
     Ok(page(TEMPLATE, SCRIPT, &data, &places))
@@ -88,8 +88,9 @@ fn script_safe(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
-fn disturbed_key(history: &History) -> &'static str {
-    if history.disturbed_spans().is_empty() {
+/// What the grey is, where there is any.
+pub fn disturbed_key<const N: usize>(histories: [&History; N]) -> &'static str {
+    if histories.iter().all(|history| history.disturbed_spans().is_empty()) {
         return "";
     }
     r#"<span><svg width="26" height="14" aria-hidden="true"><path class="disturbed-span" d="M1 1H25V13H1Z"/></svg>the platform is disturbed</span>"#
@@ -103,13 +104,18 @@ fn predicted_by(history: &History) -> &'static str {
     }
 }
 
-fn kept_key(history: &History) -> String {
-    let kept = kept(&history.info.controller_parameters);
-    if kept == 0.0 {
+/// What the dotted limits are, where there are any.
+pub fn kept_key<const N: usize>(histories: [&History; N]) -> String {
+    let mut distances = histories.map(|history| kept(&history.info.controller_parameters)).to_vec();
+    distances.retain(|&distance| distance > 0.0);
+    distances.dedup();
+    if distances.is_empty() {
         return String::new();
     }
+    let distances: Vec<_> = distances.iter().map(|distance| format!("{distance:.3} N")).collect();
     format!(
-        r#"<span><svg width="26" height="10" aria-hidden="true"><path class="kept" d="M1 5H25"/></svg>the plan keeps {kept:.3} N from them, or more</span>"#
+        r#"<span><svg width="26" height="10" aria-hidden="true"><path class="kept" d="M1 5H25"/></svg>the plan keeps {} from them, or more</span>"#,
+        distances.join(" and ")
     )
 }
 

@@ -1,11 +1,11 @@
 //! What the controller gives: the tensions of the law, for when they act.
 
-use super::{Controller, Mode, least};
+use super::{Controller, Mode};
 use crate::control::{Estimator, Reference, Response, lyapunov, tensions};
 use crate::plan::fault::{Check, Fault};
 use crate::plan::interface::ControllerInputs;
 use crate::plan::stop::Stop;
-use crate::robot::{Coordinates, PerCable, Pose, dynamics};
+use crate::robot::{Coordinates, PerCable, Pose};
 
 impl Controller {
     /// The law (4), or what stands for it when the controller may not or cannot act.
@@ -23,7 +23,7 @@ impl Controller {
         }
         match self.mode {
             Mode::Active => {}
-            Mode::Disabled => self.outputs.motor_tension = least(&self.planner),
+            Mode::Disabled => self.outputs.motor_tension = self.planner.rig().least_tensions(),
             Mode::Waiting(held) => self.outputs.motor_tension = held,
             Mode::Faulted(stop) => self.outputs.motor_tension = self.braking(&stop),
         }
@@ -35,15 +35,16 @@ impl Controller {
         let parameters = &self.planner.parameters;
         let begin = self.time + parameters.command_delay;
         let middle = begin + 0.5 * self.hold[0];
+        let rig = self.planner.rig();
         let tension = match &self.course {
             Some(course) => {
                 let Reference { pose, rates, accelerations } =
-                    self.held(begin, middle, |time| course.at(time));
-                tensions(self.planner.rig(), &pose, &rates, &accelerations, self.planner.allowance())
+                    Reference::held(|time| course.at(time), middle, begin, self.hold[0]);
+                tensions(rig, &pose, &rates, &accelerations, self.planner.allowance())
             }
             None => self.planner.tensions_of(stop, middle),
         };
-        self.limited(tension.unwrap_or(least(&self.planner)))
+        rig.clamped(&tension.unwrap_or(rig.least_tensions()))
     }
 
     fn law(&self, (pose, rates): &(Pose, Coordinates), reference: &Reference) -> Option<PerCable<f64>> {
@@ -59,17 +60,7 @@ impl Controller {
         if self.course.is_none() {
             return self.reference(at);
         }
-        self.held(begin, at, |time| self.reference(time))
-    }
-
-    /// A motion at a time (s), with the mean of its accelerations over the interval from `begin` (s) on in which a command is held.
-    fn held(&self, begin: f64, at: f64, motion: impl Fn(f64) -> Reference) -> Reference {
-        let (mut reference, hold) = (motion(at), self.hold[0]);
-        if hold > 0.0 {
-            let [before, after] = [begin, begin + hold].map(|time| motion(time).rates);
-            reference.accelerations = (after - before) / hold;
-        }
-        reference
+        Reference::held(|time| self.reference(time), at, begin, self.hold[0])
     }
 
     fn is_compensated(&self) -> bool {
@@ -96,9 +87,7 @@ impl Controller {
         }
         let begins = self.reference(self.time + self.foreseen_delay());
         let middle = Response::at(&self.planner.parameters.gains(), 0.5 * self.hold[0]);
-        let [error, change, _] = middle.error_of(&pose.minus(&begins.pose), &(rates - begins.rates));
-        let followed = self.followed();
-        (Pose(followed.pose.0 + error), followed.rates + change)
+        middle.carry((pose, rates), &begins, &self.followed())
     }
 
     fn pull(
@@ -109,33 +98,23 @@ impl Controller {
         inputs: &ControllerInputs,
         dt: f64,
     ) {
-        let desired = self.limited(*tension);
+        let rig = self.planner.rig();
+        let desired = rig.clamped(tension);
         let command = if self.planner.parameters.force_loop {
             self.force_loop.command(&desired, &inputs.measured_tension, dt)
         } else {
             desired
         };
-        self.outputs.motor_tension = self.limited(command);
-        let imposed = self.imposed(state, reference, &desired, desired != *tension) - self.disturbing();
+        self.outputs.motor_tension = rig.clamped(&command);
+        let clipped = (desired != *tension).then_some(&desired);
+        let gains = self.planner.parameters.gains();
+        let imposed =
+            lyapunov::imposed(rig, &gains, (&state.0, &state.1), reference, clipped) - self.disturbing();
         self.commands.send(self.time, self.time + self.foreseen_delay(), imposed);
     }
 
     /// How much later than its measurement a command is reckoned to act, s.
     pub(super) fn foreseen_delay(&self) -> f64 {
         if self.is_compensated() { self.planner.parameters.command_delay } else { 0.0 }
-    }
-
-    /// The accelerations of the coordinates that the command gives: those of the law, unless the limits have `clipped` its tensions.
-    fn imposed(
-        &self,
-        (pose, rates): &(Pose, Coordinates),
-        reference: &Reference,
-        pulled: &PerCable<f64>,
-        is_clipped: bool,
-    ) -> Coordinates {
-        if is_clipped {
-            return dynamics::accelerations(self.planner.rig(), pose, rates, pulled);
-        }
-        lyapunov::acceleration(&self.planner.parameters.gains(), pose, rates, reference)
     }
 }

@@ -6,7 +6,7 @@ use crate::control::{Commands, Estimator, ForceLoop, Reference, Response, lyapun
 use crate::plan::fault::{Fault, check_pose, jump, pose_of_lengths};
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::{ControllerInputs, ControllerOutputs, ControllerParameters, PoseSource, Status};
-use crate::robot::{Coordinates, LEAST_CABLES, ParameterError, PerCable, Pose, dynamics};
+use crate::robot::{Coordinates, LEAST_CABLES, ParameterError, PerCable, Pose};
 
 /// Leads the robot along a proved orbit, once. Heeds gains, limits, `pose_source`, `force_loop` and
 /// `command_delay` of the parameters; there is no planner, no observer of disturbances, and the goal is not
@@ -56,7 +56,7 @@ impl Follower {
         let error = pose.minus(&orbit.centre);
         check_start(parameters, &error)?;
         let proof = orbit.prove(parameters, &error, hold)?;
-        let least = parameters.rig.limits().map(|limits| limits.min);
+        let least = parameters.rig.least_tensions();
         // More than six cables are shared otherwise than in the proof, within the limits.
         let shown = if least.len() == LEAST_CABLES { proof.least - proof.kept } else { f64::NEG_INFINITY };
         let mut follower = Self {
@@ -154,13 +154,13 @@ impl Follower {
 
     fn act(&mut self, inputs: &ControllerInputs, dt: f64, hold: f64) {
         self.outputs.motor_tension = match self.law(hold) {
-            _ if self.mode == Mode::Off => self.least(),
+            _ if self.mode == Mode::Off => self.planner.rig().least_tensions(),
             Some((tension, imposed)) => {
                 self.commands.send(self.time, self.acts(), imposed);
                 let is_measured = self.planner.parameters.force_loop;
                 let corrected =
                     is_measured.then(|| self.force_loop.command(&tension, &inputs.measured_tension, dt));
-                self.limited(corrected.unwrap_or(tension))
+                self.planner.rig().clamped(&corrected.unwrap_or(tension))
             }
             // The wrench matrix is singular, which it is nowhere near the motion.
             None => self.outputs.motor_tension,
@@ -173,22 +173,15 @@ impl Follower {
     fn law(&self, hold: f64) -> Option<(PerCable<f64>, Coordinates)> {
         let (gains, rig) = (self.planner.parameters.gains(), &self.planner.parameters.rig);
         let Estimator { pose, rates, .. } = &self.estimator;
-        let (pose, rates) = self.commands.carry((pose, rates), &Coordinates::zeros(), self.time, self.acts());
-        // An error when the command begins to act has become this in the middle of the interval.
-        let begins = self.reference(self.acts());
-        let middle = Response::at(&gains, 0.5 * hold);
-        let [error, change, _] = middle.error_of(&pose.minus(&begins.pose), &(rates - begins.rates));
+        let state = self.commands.carry((pose, rates), &Coordinates::zeros(), self.time, self.acts());
         let followed = self.followed(hold);
-        let (pose, rates) = (Pose(followed.pose.0 + error), followed.rates + change);
+        let middle = Response::at(&gains, 0.5 * hold);
+        let (pose, rates) = middle.carry(state, &self.reference(self.acts()), &followed);
         let margin = self.planner.allowance();
         let wanted = lyapunov::tension_command(rig, &gains, &pose, &rates, &followed, margin)?;
-        let tension = self.limited(wanted);
-        let imposed = if tension == wanted {
-            lyapunov::acceleration(&gains, &pose, &rates, &followed)
-        } else {
-            dynamics::accelerations(rig, &pose, &rates, &tension)
-        };
-        Some((tension, imposed))
+        let tension = rig.clamped(&wanted);
+        let clipped = (tension != wanted).then_some(&tension);
+        Some((tension, lyapunov::imposed(rig, &gains, (&pose, &rates), &followed, clipped)))
     }
 
     fn reference(&self, time: f64) -> Reference {
@@ -199,21 +192,7 @@ impl Follower {
     /// accelerations there.
     fn followed(&self, hold: f64) -> Reference {
         let begin = self.acts();
-        let mut reference = self.reference(begin + 0.5 * hold);
-        if hold > 0.0 {
-            let [before, after] = [begin, begin + hold].map(|time| self.reference(time).rates);
-            reference.accelerations = (after - before) / hold;
-        }
-        reference
-    }
-
-    fn limited(&self, tension: PerCable<f64>) -> PerCable<f64> {
-        let limits = self.planner.parameters.rig.limits();
-        PerCable::from_fn(tension.len(), |i| tension[i].clamp(limits[i].min, limits[i].max))
-    }
-
-    fn least(&self) -> PerCable<f64> {
-        self.planner.parameters.rig.limits().map(|limits| limits.min)
+        Reference::held(|time| self.reference(time), begin + 0.5 * hold, begin, hold)
     }
 
     fn report(&mut self) {

@@ -95,11 +95,12 @@ function limitNote(u, value) {
   u.ctx.restore();
 }
 
-/** Names at the right ends of the lines, moved apart. */
+/** Names at the right ends of the lines as far as they are drawn, moved apart. */
 function names(u, lines) {
+  const shown = u.data[0].findLastIndex((time) => time <= u.scales.x.max) + 1;
   const gap = 12 * devicePixelRatio, { left, top, width, height } = u.bbox;
   const labels = lines.filter((line) => line.name).map((line) => {
-    const end = line.values.findLast((value) => value !== null) ?? 0;
+    const end = line.values.slice(0, shown).findLast((value) => value !== null) ?? 0;
     return { text: line.name, fill: colour(line.colour), y: u.valToPos(end, "y", true) };
   }).sort((a, b) => a.y - b.y);
   labels.forEach((label, k) => { if (k) label.y = Math.max(label.y, labels[k - 1].y + gap); });
