@@ -57,21 +57,30 @@ impl<'a> Sum<'a> {
         })
     }
 
-    /// As fast as can be, then as slow: where from, by halving and by secants.
+    /// As fast as can be, then as slow: where from, by halving and by secants, with half of what an end that stays is off by (Illinois).
     fn to_the_goal(&self, begin: f64, end: f64) -> Option<Timing> {
         let fast = self.speeding_up(begin, end);
-        let mut low = (0.0, self.braking(Timing::begun_at(0.0), [begin, 0.0])?.end);
+        let mut low = (0.0, self.braking(Timing::begun_at(0.0), [begin, 0.0])?.end - 1.0);
         let mut high = (fast.duration, None::<f64>);
         for _ in 0..SWITCHES {
-            let share = high.1.map_or(0.5, |high| ((1.0 - low.1) / (high - low.1)).clamp(0.05, 0.95));
+            let share = high.1.map_or(0.5, |high| (low.1 / (low.1 - high)).clamp(0.01, 0.99));
             let switch = low.0 + share * (high.0 - low.0);
             let rate = fast.at(switch)[1];
-            let found = self.braking(fast.until(switch), [begin, rate]);
-            match found.map(|timing| (timing.end, timing)) {
-                Some((reached, timing)) if (reached - 1.0).abs() < NEAR => return Some(timing.over(reached)),
-                Some((reached, _)) if reached < 1.0 => low = (switch, reached),
-                Some((reached, _)) => high = (switch, Some(reached)),
-                None => high = (switch, None),
+            let Some(timing) = self.braking(fast.until(switch), [begin, rate]) else {
+                high = (switch, None);
+                continue;
+            };
+            let off = timing.end - 1.0;
+            if off.abs() < NEAR {
+                let reached = timing.end;
+                return Some(timing.over(reached));
+            }
+            if off < 0.0 {
+                high.1 = high.1.map(|high| 0.5 * high);
+                low = (switch, off);
+            } else {
+                low.1 *= 0.5;
+                high = (switch, Some(off));
             }
         }
         None
@@ -79,15 +88,15 @@ impl<'a> Sum<'a> {
 
     /// From σ = σ' = 0 at `begin` (s) on with σ'' as great as can be, until `end` (s), σ is 1 or no σ'' keeps the limits.
     fn speeding_up(&self, begin: f64, end: f64) -> Timing {
-        let (mut timing, mut rate) = (Timing::begun_at(0.0), 0.0);
+        let (mut timing, mut rate, mut seen) = (Timing::begun_at(0.0), 0.0, None);
         while timing.end < 1.0 && begin + timing.duration < end && !timing.is_full() {
             let time = begin + timing.duration;
             let h = self.next(time) - time;
             // Not backwards.
             let pick = |[_, greatest]: [f64; 2]| greatest.max(-rate / h);
-            let Some(a) = self.picked([time, h], [timing.end, rate], pick) else { break };
+            let Some((a, ahead)) = self.picked([time, h], [timing.end, rate], seen, pick) else { break };
             timing.push_for(rate, a, h);
-            rate = (rate + a * h).max(0.0);
+            (rate, seen) = ((rate + a * h).max(0.0), ahead);
         }
         timing
     }
@@ -96,6 +105,7 @@ impl<'a> Sum<'a> {
     /// keeps the limits.
     fn braking(&self, mut timing: Timing, [begin, mut rate]: [f64; 2]) -> Option<Timing> {
         let rests = self.legs.iter().map(Leg::end).fold(begin, f64::max);
+        let mut seen = None;
         loop {
             let time = begin + timing.duration;
             if rate <= 0.0 && time >= rests - ROUNDING * self.stride {
@@ -106,11 +116,12 @@ impl<'a> Sum<'a> {
             }
             let mut h = self.next(time) - time;
             let pick = |[least, _]: [f64; 2]| if rate > 0.0 { least } else { 0.0 };
-            let a = self.picked([time, h], [timing.end, rate], pick)?;
+            let (a, ahead) = self.picked([time, h], [timing.end, rate], seen, pick)?;
+            seen = ahead;
             if rate > 0.0 && rate + a * h <= 0.0 {
                 h = -rate / a;
                 timing.push_for(rate, a, h);
-                rate = 0.0;
+                (rate, seen) = (0.0, None);
             } else {
                 timing.push_for(rate, a, h);
                 rate += a * h;
@@ -118,21 +129,29 @@ impl<'a> Sum<'a> {
         }
     }
 
-    /// The σ'' that is picked from those that keep the limits at both ends of an interval.
+    /// The σ'' that is picked from those that keep the limits at both ends of an interval; with those that keep them where it begins, if they were `seen`. And those that keep
+    /// them where the next one begins, where they are the same.
     fn picked(
         &self,
         [time, h]: [f64; 2],
         [sigma, rate]: [f64; 2],
+        seen: Option<[f64; 2]>,
         pick: impl Fn([f64; 2]) -> f64,
-    ) -> Option<f64> {
+    ) -> Option<(f64, Option<[f64; 2]>)> {
         let middle = time + 0.5 * h;
-        let here = self.range(middle, time, [sigma, rate])?;
+        let here = match seen {
+            Some(seen) => seen,
+            None => self.range(middle, time, [sigma, rate])?,
+        };
         let ahead = pick(here);
         let (s, v) = (sigma + (rate + 0.5 * ahead * h) * h, (rate + ahead * h).max(0.0));
         let there = self.range(middle, time + h, [s, v])?;
         let both = [here[0].max(there[0]), here[1].min(there[1])];
         let a = pick(both);
-        (both[0] <= a && a <= both[1]).then_some(a)
+        // Where an arc of the legs ends, the next one begins with another acceleration.
+        let is_joint = |end: f64| (end - time - h).abs() <= ROUNDING * self.stride;
+        let goes_on = a == ahead && !self.legs.iter().flat_map(Leg::instants).any(is_joint);
+        (both[0] <= a && a <= both[1]).then_some((a, goes_on.then_some(there)))
     }
 
     /// The next time to look at the tensions, s.
