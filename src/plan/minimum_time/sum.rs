@@ -11,9 +11,9 @@ use crate::control::Reference;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
 use crate::reach::certificate::part::Part;
-use crate::robot::Rig;
 use crate::robot::dynamics::{required_wrench, wrench_of};
 use crate::robot::pose::PITCH;
+use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// Switches tried, and how near to the goal one leads, as a share of the way: what is left over is taken out of the way itself.
 const SWITCHES: usize = 16;
@@ -35,15 +35,16 @@ pub struct Sum<'a> {
     pub path: &'a Path,
     /// Time between two looks at the tensions, s, at most.
     stride: f64,
-    /// By how much the limits are narrowed, N: what is added to keeps them narrowed by more.
-    narrowed: f64,
+    /// The path's, narrowed: what is added to keeps them narrowed by more.
+    limits: PerCable<TensionLimits>,
 }
 
 impl<'a> Sum<'a> {
     /// Looks at the tensions as often as a motion asks for that takes `duration` seconds.
     pub fn new(rig: &'a Rig, legs: &'a [Leg], path: &'a Path, duration: f64) -> Self {
         let narrowed = libm::scalbn(narrowed_at_first(rig), -(legs.len() as i32));
-        Self { rig, legs, path, stride: duration / INSTANTS, narrowed }
+        let limits = path.limits.map(|limits| limits.shrunk(narrowed));
+        Self { rig, legs, path, stride: duration / INSTANTS, limits }
     }
 
     /// The fastest motion from σ = σ' = 0 at `begin` (s) to rest at σ = 1 that is over before `end` (s), and what was seen of the tensions on the proved sum.
@@ -57,31 +58,32 @@ impl<'a> Sum<'a> {
         })
     }
 
-    /// As fast as can be, then as slow: where from, by halving and by secants, with half of what an end that stays is off by (Illinois).
+    /// As fast as can be, then as slow: where from, by halving and by secants. An end that stays twice counts half of what it is off by (the Illinois method).
     fn to_the_goal(&self, begin: f64, end: f64) -> Option<Timing> {
         let fast = self.speeding_up(begin, end);
         let mut low = (0.0, self.braking(Timing::begun_at(0.0), [begin, 0.0])?.end - 1.0);
         let mut high = (fast.duration, None::<f64>);
+        let mut was_short = None;
         for _ in 0..SWITCHES {
             let share = high.1.map_or(0.5, |high| (low.1 / (low.1 - high)).clamp(0.01, 0.99));
             let switch = low.0 + share * (high.0 - low.0);
             let rate = fast.at(switch)[1];
             let Some(timing) = self.braking(fast.until(switch), [begin, rate]) else {
-                high = (switch, None);
+                (high, was_short) = ((switch, None), None);
                 continue;
             };
-            let off = timing.end - 1.0;
+            let (reached, off) = (timing.end, timing.end - 1.0);
             if off.abs() < NEAR {
-                let reached = timing.end;
                 return Some(timing.over(reached));
             }
-            if off < 0.0 {
-                high.1 = high.1.map(|high| 0.5 * high);
-                low = (switch, off);
+            let is_short = off < 0.0;
+            let by = if was_short == Some(is_short) { 0.5 } else { 1.0 };
+            if is_short {
+                (low, high.1) = ((switch, off), high.1.map(|high| by * high));
             } else {
-                low.1 *= 0.5;
-                high = (switch, Some(off));
+                (low.1, high) = (by * low.1, (switch, Some(off)));
             }
+            was_short = Some(is_short);
         }
         None
     }
@@ -175,8 +177,7 @@ impl<'a> Sum<'a> {
             return None;
         }
         let rest = required_wrench(self.rig, &sum.pose, &sum.rates, &sum.accelerations);
-        let limits = self.path.limits.map(|limits| limits.shrunk(self.narrowed));
-        between(self.rig, &limits, &sum.pose, rest, wrench_of(self.rig, &sum.pose, &way))
+        between(self.rig, &self.limits, &sum.pose, rest, wrench_of(self.rig, &sum.pose, &way))
     }
 
     fn is_proved(&self, begin: f64, timing: &Timing, work: &mut Work, seen: &mut Seen) -> bool {
