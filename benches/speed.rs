@@ -196,6 +196,7 @@ fn minimum_time(c: &mut Criterion) {
     let [s, v, _] = whole.at(0.4 * whole.duration);
     c.bench_function("minimum time: a line", |b| b.iter(|| black_box(&line).fastest(0.0, f64::INFINITY)));
     c.bench_function("minimum time: a stop on it", |b| b.iter(|| black_box(&line).stop(s, v)));
+    again_on_the_way(c);
     for (name, rig, home) in rigs().into_iter().filter(|(_, rig, _)| rig.cables.len() <= 8) {
         let by = Coordinates::new(0.1, 0.05, 0.02, 0.0, 0.0, 0.0) * rig.radius();
         let goal = Pose(home.0 + by + Coordinates::new(0.0, 0.0, 0.0, 0.05, 0.0, 0.1));
@@ -205,6 +206,25 @@ fn minimum_time(c: &mut Criterion) {
         assert!(planner.course_from_rest(&home, &goal).is_some());
         c.bench_function(&format!("minimum time: a turned way, {name}"), |b| {
             b.iter(|| planner.course_from_rest(black_box(&home), &goal))
+        });
+    }
+}
+
+/// A new goal on the way to another: on to it without a stop, on the paper's robot, level and turned.
+fn again_on_the_way(c: &mut Criterion) {
+    let rig = Rig::paper(&RobotParameters::default(), TensionLimits::default());
+    let parameters =
+        ControllerParameters { planner: PlannerKind::MinimumTime, ..ControllerParameters::of(&rig) };
+    let planner = Planner::from(parameters);
+    let start = Pose::at(0.0, 0.0, 1.0);
+    for (name, turn) in [("level", 0.0), ("turned", 0.1)] {
+        let by = Coordinates::new(0.0, 0.0, 0.0, 0.0, 0.0, turn);
+        let (goal, next) = (Pose(Pose::at(0.15, 0.15, 1.0).0 + by), Pose(Pose::at(-0.1, 0.1, 1.05).0 - by));
+        let course = planner.course_from_rest(&start, &goal).unwrap();
+        let begin = 0.4 * course.end();
+        assert!(planner.course_from(&course, begin, &next).is_some());
+        c.bench_function(&format!("minimum time: again on the way, {name}"), |b| {
+            b.iter(|| planner.course_from(black_box(&course), begin, &next))
         });
     }
 }

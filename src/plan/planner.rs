@@ -148,9 +148,8 @@ impl Planner {
         Some(Course::new(leg, goal))
     }
 
-    /// The course to `goal` that begins at `begin` (s) on the way along another.
-    #[cfg(test)]
-    pub(super) fn course_from(&self, course: &Course, begin: f64, goal: &Pose) -> Option<Course> {
+    /// The course to `goal` that `MinimumTime` goes on with from `begin` (s) on the way along another, by a stop or, where that is sooner, without; `None` where there is none.
+    pub fn course_from(&self, course: &Course, begin: f64, goal: &Pose) -> Option<Course> {
         let led = course.at(begin);
         let now = self.at_rest(&led.pose, &led.rates);
         Some(self.course(&now, Some(course), begin, (&[], goal))?.0)

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::reach::certificate::part::along;
 
-/// A line in [`PIECES`](super::line::PIECES) pieces, in each at most six arcs of either bound; both in the piece with the switch; one at the greatest speed.
+/// Intervals of a way on the grid; a line that would have more in closed form is planned there.
 pub const MOST_ARCS: usize = 64;
 
 /// From the position `s` (m) with the speed `v` (m/s) on: s'' = `a` + `beta` (s(t) - `s`).
@@ -75,13 +75,17 @@ impl Timing {
         Self { end: s, ..Self::default() }
     }
 
-    /// Adds the arc from the end so far, with the speed `v` (m/s), on to `to` (m), where it has the speed `v1`.
+    /// Adds the arc from the end so far, with the speed `v` (m/s), on to `to` (m), where it has the speed `v1`. Where there is no room for it the end stays where it is.
     pub(super) fn push(&mut self, v: f64, [a, beta]: [f64; 2], to: f64, v1: f64) {
+        if self.is_full() {
+            return;
+        }
         let arc = Arc { begin: self.duration, s: self.end, v, a, beta };
         let time = arc.time(to - self.end, v1);
         self.end = to;
         // Rounding may leave an arc without speed; what a saved state says may be anything.
-        if time.is_finite() && self.arcs.try_push(arc).is_ok() {
+        if time.is_finite() {
+            self.arcs.push(arc);
             self.duration += time;
         }
     }
@@ -190,5 +194,14 @@ mod tests {
         assert_eq!(timing.at(1.5)[1], 1.0);
         assert_eq!(timing.at(2.0), [2.0, 0.0, 0.0]);
         assert_eq!(timing.at(9.0), [2.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_row_without_room_ends_where_its_arcs_do() {
+        let mut timing = Timing::begun_at(0.0);
+        for k in 0..=MOST_ARCS {
+            timing.push(1.0, [0.0, 0.0], (k + 1) as f64, 1.0);
+        }
+        assert_eq!((timing.end, timing.duration), (MOST_ARCS as f64, MOST_ARCS as f64));
     }
 }

@@ -7,6 +7,7 @@ mod envelope;
 mod holding;
 pub mod line;
 pub mod path;
+mod pieces;
 mod planning;
 mod polygon;
 mod sum;

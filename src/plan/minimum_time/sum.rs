@@ -11,9 +11,9 @@ use crate::control::Reference;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
 use crate::reach::certificate::part::Part;
-use crate::robot::Rig;
 use crate::robot::dynamics::{required_wrench, wrench_of};
 use crate::robot::pose::PITCH;
+use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// Switches tried, and how near to the goal one leads, as a share of the way: what is left over is taken out of the way itself.
 const SWITCHES: usize = 16;
@@ -35,15 +35,16 @@ pub struct Sum<'a> {
     pub path: &'a Path,
     /// Time between two looks at the tensions, s, at most.
     stride: f64,
-    /// By how much the limits are narrowed, N: what is added to keeps them narrowed by more.
-    narrowed: f64,
+    /// The path's, narrowed: what is added to keeps them narrowed by more.
+    limits: PerCable<TensionLimits>,
 }
 
 impl<'a> Sum<'a> {
     /// Looks at the tensions as often as a motion asks for that takes `duration` seconds.
     pub fn new(rig: &'a Rig, legs: &'a [Leg], path: &'a Path, duration: f64) -> Self {
         let narrowed = libm::scalbn(narrowed_at_first(rig), -(legs.len() as i32));
-        Self { rig, legs, path, stride: duration / INSTANTS, narrowed }
+        let limits = path.limits.map(|limits| limits.shrunk(narrowed));
+        Self { rig, legs, path, stride: duration / INSTANTS, limits }
     }
 
     /// The fastest motion from σ = σ' = 0 at `begin` (s) to rest at σ = 1 that is over before `end` (s), and what was seen of the tensions on the proved sum.
@@ -57,37 +58,47 @@ impl<'a> Sum<'a> {
         })
     }
 
-    /// As fast as can be, then as slow: where from, by halving and by secants.
+    /// As fast as can be, then as slow: where from, by halving and by secants. An end that stays twice counts half of what it is off by (the Illinois method).
     fn to_the_goal(&self, begin: f64, end: f64) -> Option<Timing> {
         let fast = self.speeding_up(begin, end);
-        let mut low = (0.0, self.braking(Timing::begun_at(0.0), [begin, 0.0])?.end);
+        let mut low = (0.0, self.braking(Timing::begun_at(0.0), [begin, 0.0])?.end - 1.0);
         let mut high = (fast.duration, None::<f64>);
+        let mut was_short = None;
         for _ in 0..SWITCHES {
-            let share = high.1.map_or(0.5, |high| ((1.0 - low.1) / (high - low.1)).clamp(0.05, 0.95));
+            let share = high.1.map_or(0.5, |high| (low.1 / (low.1 - high)).clamp(0.01, 0.99));
             let switch = low.0 + share * (high.0 - low.0);
             let rate = fast.at(switch)[1];
-            let found = self.braking(fast.until(switch), [begin, rate]);
-            match found.map(|timing| (timing.end, timing)) {
-                Some((reached, timing)) if (reached - 1.0).abs() < NEAR => return Some(timing.over(reached)),
-                Some((reached, _)) if reached < 1.0 => low = (switch, reached),
-                Some((reached, _)) => high = (switch, Some(reached)),
-                None => high = (switch, None),
+            let Some(timing) = self.braking(fast.until(switch), [begin, rate]) else {
+                (high, was_short) = ((switch, None), None);
+                continue;
+            };
+            let (reached, off) = (timing.end, timing.end - 1.0);
+            if off.abs() < NEAR {
+                return Some(timing.over(reached));
             }
+            let is_short = off < 0.0;
+            let by = if was_short == Some(is_short) { 0.5 } else { 1.0 };
+            if is_short {
+                (low, high.1) = ((switch, off), high.1.map(|high| by * high));
+            } else {
+                (low.1, high) = (by * low.1, (switch, Some(off)));
+            }
+            was_short = Some(is_short);
         }
         None
     }
 
     /// From σ = σ' = 0 at `begin` (s) on with σ'' as great as can be, until `end` (s), σ is 1 or no σ'' keeps the limits.
     fn speeding_up(&self, begin: f64, end: f64) -> Timing {
-        let (mut timing, mut rate) = (Timing::begun_at(0.0), 0.0);
+        let (mut timing, mut rate, mut seen) = (Timing::begun_at(0.0), 0.0, None);
         while timing.end < 1.0 && begin + timing.duration < end && !timing.is_full() {
             let time = begin + timing.duration;
             let h = self.next(time) - time;
             // Not backwards.
             let pick = |[_, greatest]: [f64; 2]| greatest.max(-rate / h);
-            let Some(a) = self.picked([time, h], [timing.end, rate], pick) else { break };
+            let Some((a, ahead)) = self.picked([time, h], [timing.end, rate], seen, pick) else { break };
             timing.push_for(rate, a, h);
-            rate = (rate + a * h).max(0.0);
+            (rate, seen) = ((rate + a * h).max(0.0), ahead);
         }
         timing
     }
@@ -96,6 +107,7 @@ impl<'a> Sum<'a> {
     /// keeps the limits.
     fn braking(&self, mut timing: Timing, [begin, mut rate]: [f64; 2]) -> Option<Timing> {
         let rests = self.legs.iter().map(Leg::end).fold(begin, f64::max);
+        let mut seen = None;
         loop {
             let time = begin + timing.duration;
             if rate <= 0.0 && time >= rests - ROUNDING * self.stride {
@@ -106,11 +118,12 @@ impl<'a> Sum<'a> {
             }
             let mut h = self.next(time) - time;
             let pick = |[least, _]: [f64; 2]| if rate > 0.0 { least } else { 0.0 };
-            let a = self.picked([time, h], [timing.end, rate], pick)?;
+            let (a, ahead) = self.picked([time, h], [timing.end, rate], seen, pick)?;
+            seen = ahead;
             if rate > 0.0 && rate + a * h <= 0.0 {
                 h = -rate / a;
                 timing.push_for(rate, a, h);
-                rate = 0.0;
+                (rate, seen) = (0.0, None);
             } else {
                 timing.push_for(rate, a, h);
                 rate += a * h;
@@ -118,21 +131,29 @@ impl<'a> Sum<'a> {
         }
     }
 
-    /// The σ'' that is picked from those that keep the limits at both ends of an interval.
+    /// The σ'' that is picked from those that keep the limits at both ends of an interval; with those that keep them where it begins, if they were `seen`. And those that keep
+    /// them where the next one begins, where they are the same.
     fn picked(
         &self,
         [time, h]: [f64; 2],
         [sigma, rate]: [f64; 2],
+        seen: Option<[f64; 2]>,
         pick: impl Fn([f64; 2]) -> f64,
-    ) -> Option<f64> {
+    ) -> Option<(f64, Option<[f64; 2]>)> {
         let middle = time + 0.5 * h;
-        let here = self.range(middle, time, [sigma, rate])?;
+        let here = match seen {
+            Some(seen) => seen,
+            None => self.range(middle, time, [sigma, rate])?,
+        };
         let ahead = pick(here);
         let (s, v) = (sigma + (rate + 0.5 * ahead * h) * h, (rate + ahead * h).max(0.0));
         let there = self.range(middle, time + h, [s, v])?;
         let both = [here[0].max(there[0]), here[1].min(there[1])];
         let a = pick(both);
-        (both[0] <= a && a <= both[1]).then_some(a)
+        // Where an arc of the legs ends, the next one begins with another acceleration.
+        let is_joint = |end: f64| (end - time - h).abs() <= ROUNDING * self.stride;
+        let goes_on = a == ahead && !self.legs.iter().flat_map(Leg::instants).any(is_joint);
+        (both[0] <= a && a <= both[1]).then_some((a, goes_on.then_some(there)))
     }
 
     /// The next time to look at the tensions, s.
@@ -156,8 +177,7 @@ impl<'a> Sum<'a> {
             return None;
         }
         let rest = required_wrench(self.rig, &sum.pose, &sum.rates, &sum.accelerations);
-        let limits = self.path.limits.map(|limits| limits.shrunk(self.narrowed));
-        between(self.rig, &limits, &sum.pose, rest, wrench_of(self.rig, &sum.pose, &way))
+        between(self.rig, &self.limits, &sum.pose, rest, wrench_of(self.rig, &sum.pose, &way))
     }
 
     fn is_proved(&self, begin: f64, timing: &Timing, work: &mut Work, seen: &mut Seen) -> bool {

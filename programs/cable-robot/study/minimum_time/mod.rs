@@ -3,6 +3,8 @@
 mod look;
 mod moves;
 mod polynomial;
+#[cfg(test)]
+mod sample;
 mod stops;
 
 use anyhow::{Result, bail};
