@@ -14,34 +14,68 @@ const HALVINGS: usize = 30;
 impl Planner {
     /// What the tensions at rest may differ by, N.
     pub(super) fn unknown_at(&self, pose: &Pose) -> f64 {
-        let unknown = self.parameters.unknown_at(pose);
-        unknown.map_or(0.0, |unknown| unknown.steady + unknown.varying + unknown.noise)
+        self.parameters.unknown_at(pose).at_rest()
     }
 
     /// What the tensions on the way between two poses may differ by, N.
     pub(super) fn unknown_on_the_way(&self, from: &Pose, to: &Pose) -> f64 {
         let share = 2.0 * (1.0 + self.parameters.gains().z_m());
         let at = |pose: &Pose| {
-            let unknown = self.parameters.unknown_at(pose);
-            unknown.map_or(0.0, |unknown| share * (unknown.steady + 2.0 * unknown.varying) + unknown.noise)
+            let Unknown { mass, geometry, wrench, noise } = self.parameters.unknown_at(pose);
+            // The observer finds the mass once and for all; the others may change to their opposite.
+            share * (mass + 2.0 * (geometry + wrench)) + noise
         };
         at(from).max(at(to))
     }
+
+    /// What is not known at these poses, the greatest of each kind.
+    pub(super) fn unknown_by(&self, poses: &[Pose]) -> Unknown {
+        let all = poses.iter().map(|pose| self.parameters.unknown_at(pose));
+        all.fold(Unknown::default(), |most, one| most.and(&one))
+    }
 }
 
+/// The law and the observer answer a wrench that changes as it likes with at most this many times its greatest size, whatever the gains: docs/minimum-time.md.
+const ANSWER: f64 = 2.0;
+
 /// What tensions at rest may differ by, N.
-struct Unknown {
-    /// For a wrench that stays as it is: the observer finds it once and for all.
-    steady: f64,
-    /// For one that changes along the way, up to its opposite.
-    varying: f64,
-    /// For measurements that jump.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Unknown {
+    /// For the mass,
+    mass: f64,
+    /// for the geometry,
+    geometry: f64,
+    /// for forces and torques,
+    wrench: f64,
+    /// for measurements that jump.
     noise: f64,
+}
+
+impl Unknown {
+    pub(super) fn at_rest(&self) -> f64 {
+        self.mass + (self.geometry + self.wrench) + self.noise
+    }
+
+    /// On a motion that the law has followed since a rest, where cables pull `pull` times as much as at rest: for mass and geometry tensions differ by as many times more. `found`
+    /// is what the observer has found of it, which the motion is planned with.
+    pub(super) fn when_followed(&self, pull: f64, found: f64) -> f64 {
+        let at_rest = self.mass + (self.geometry + self.wrench);
+        ANSWER * (pull * (self.mass + self.geometry) + self.wrench) + found.min(at_rest) + self.noise
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass.max(other.mass),
+            geometry: self.geometry.max(other.geometry),
+            wrench: self.wrench.max(other.wrench),
+            noise: self.noise.max(other.noise),
+        }
+    }
 }
 
 impl ControllerParameters {
     /// The first parameter of those that say what is not known which is not zero.
-    fn is_uncertain(&self) -> Option<(&'static str, f64)> {
+    pub(super) fn is_uncertain(&self) -> Option<(&'static str, f64)> {
         self.unknowns().into_iter().find(|(_, value)| *value > 0.0)
     }
 
@@ -50,21 +84,21 @@ impl ControllerParameters {
         self.disturbance_bound * self.rig.platform_radius()
     }
 
-    /// `None` if all is known; without bound where the wrench matrix is singular.
-    fn unknown_at(&self, pose: &Pose) -> Option<Unknown> {
-        self.is_uncertain()?;
+    /// Nothing if all is known; without bound where the wrench matrix is singular.
+    fn unknown_at(&self, pose: &Pose) -> Unknown {
+        if self.is_uncertain().is_none() {
+            return Unknown::default();
+        }
         let Some(sensitivity) = Sensitivity::new(&self.rig, pose) else {
-            return Some(Unknown { steady: f64::INFINITY, varying: 0.0, noise: 0.0 });
+            return Unknown { mass: f64::INFINITY, ..Unknown::default() };
         };
-        let steady = sensitivity.mass(self.mass_tolerance);
-        let varying = sensitivity.geometry(self.rig.accuracy)
-            + sensitivity.wrench(self.disturbance_bound, self.torque_bound());
         let pole = self.observer().map_or(0.0, |observer| observer.pole);
-        Some(Unknown {
-            steady,
-            varying,
+        Unknown {
+            mass: sensitivity.mass(self.mass_tolerance),
+            geometry: sensitivity.geometry(self.rig.accuracy),
+            wrench: sensitivity.wrench(self.disturbance_bound, self.torque_bound()),
             noise: sensitivity.encoders(self.encoder_resolution, &self.gains(), pole),
-        })
+        }
     }
 
     /// `Bounded` leaves nothing for what is not known nor for long steps, and limits no speed.
@@ -133,9 +167,55 @@ impl ControllerParameters {
             };
             margin - turned(turn[k]).min(turned(-turn[k]))
         };
-        let differ = self.unknown_at(pose).map_or(0.0, |unknown| {
-            2.0 * (1.0 + gains.z_m()) * (unknown.steady + unknown.varying) + unknown.noise
-        });
+        let Unknown { mass, geometry, wrench, noise } = self.unknown_at(pose);
+        let differ = 2.0 * (1.0 + gains.z_m()) * (mass + (geometry + wrench)) + noise;
         margin - (0..3).map(lost).sum::<f64>() - differ
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{DisturbanceObserver, Estimator, Gains};
+    use crate::robot::{Coordinates, RigFile};
+
+    /// What law and observer answer a push with, integrated over all time without its sign, in units of the push: the most that they answer any other with.
+    fn answer(gains: &Gains, pole: f64) -> f64 {
+        const STEP: f64 = 1e-4;
+        let (rig, home) = (RigFile::default().rig, Pose::default());
+        let observer = DisturbanceObserver { pole, force: 1.0, torque: 1.0 };
+        // m/s, along x: so little that nothing else comes in.
+        let push = 1e-6;
+        let (mut x, mut v, mut answer) = (0.0, push, 0.0);
+        let (mut estimator, mut before) = (Estimator::at_rest(home), 0.0);
+        let duration = 14.0 / gains.lambda.min(gains.eta).min(pole);
+        for _ in 0..(duration / STEP) as u32 {
+            let mut measured = home;
+            measured.0[0] += x;
+            let along_x = |value: f64| Coordinates::ith(0, value);
+            let imposed = along_x(before) + estimator.disturbing(&rig);
+            estimator.update(&measured, &imposed, STEP, Some((&rig, &observer)));
+            let error = estimator.pose.0[0] - home.0[0];
+            let law = -(gains.lambda + gains.eta) * estimator.rates[0] - gains.omega_n_squared() * error;
+            let given = law - estimator.disturbing(&rig)[0];
+            answer += given.abs() * STEP / push;
+            x += v * STEP + given * (0.5 * STEP * STEP);
+            v += given * STEP;
+            before = given;
+        }
+        answer
+    }
+
+    #[test]
+    fn no_wrench_is_answered_with_more_than_twice_its_size() {
+        let mut most = 0.0f64;
+        for (lambda, eta) in [(1.0, 1.0), (3.0, 3.0), (15.0, 2.0), (15.0, 15.0), (60.0, 60.0)] {
+            for pole in [2.0, 10.0] {
+                let answer = answer(&Gains { lambda, eta }, pole);
+                println!("gains {lambda} and {eta}, observer {pole}: {answer:.3}");
+                most = most.max(answer);
+            }
+        }
+        assert!(most < ANSWER && most > 0.95 * ANSWER, "{most}");
     }
 }

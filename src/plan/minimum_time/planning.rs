@@ -11,6 +11,7 @@ use super::sum::Sum;
 use super::track::{MOST_SECTIONS, Track};
 use crate::control::{Sensitivity, static_tensions};
 use crate::plan::exact::{LEFT, Way};
+use crate::plan::margins::Unknown;
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
 use crate::reach::certificate::section::Section;
@@ -45,29 +46,36 @@ struct Timed {
 
 /// What a motion must leave to the limits, N.
 struct Margins {
-    /// What the error at the beginning costs, about rest.
+    /// What the error at the beginning costs, about rest, but for what comes of what is not known.
     of_error: f64,
-    /// What is not known.
-    unknown: f64,
+    /// What is not known,
+    unknown: Unknown,
+    /// and what the observer has found of it.
+    found: f64,
     /// The greatest tension at rest,
     at_rest: f64,
-    /// and what is left there.
+    /// and what can be left there.
     most: f64,
 }
 
 impl Margins {
-    /// What is left with so much to spare.
-    fn kept(&self, spare: f64) -> f64 {
-        (self.unknown + spare).min(self.most)
+    /// What to leave where cables pull `greatest` and `spare` is needed besides what is not known. Where less is left at rest, no more is asked for.
+    fn kept(&self, spare: f64, greatest: f64) -> f64 {
+        (self.unknown(greatest) + spare).min(self.most)
     }
 
-    /// What is needed to spare where holding costs `held` and cables pull `greatest`: a shift costs the more the more they pull.
-    fn needed(&self, held: f64, greatest: f64) -> f64 {
+    fn unknown(&self, greatest: f64) -> f64 {
+        self.unknown.when_followed((greatest / self.at_rest).max(1.0), self.found)
+    }
+
+    /// What is needed besides where holding costs `held` and cables pull `greatest`: a shift costs the more the more they pull.
+    fn spare(&self, held: f64, greatest: f64) -> f64 {
         self.of_error * BETWEEN.max(greatest / self.at_rest) + held
     }
 
     fn are_kept(&self, kept: f64, held: f64, greatest: f64) -> bool {
-        self.needed(held, greatest) <= (kept - self.unknown).max(0.0)
+        let unknown = self.unknown(greatest).min(LEFT * self.most);
+        unknown + self.spare(held, greatest) <= kept
     }
 }
 
@@ -226,32 +234,32 @@ impl Planner {
     ) -> Option<Leg> {
         let last = places.last()?;
         let margins = self.margins(error, places)?;
-        let mut spare = self.allowance().max(BETWEEN * margins.of_error);
+        let spare = self.allowance().max(BETWEEN * margins.of_error);
+        let mut kept = margins.kept(spare, margins.at_rest);
         for _ in 0..PLANS {
-            let kept = margins.kept(spare);
             let Timed { way, timing, held, greatest, disturbed } =
                 self.timed((&places[0], last), path, kept, now.hold, work)?;
             let held = held + self.cost_of_switches(&way, &timing, now.hold)?;
             if margins.are_kept(kept, held, greatest) {
                 return Some(Leg { way, timing, begin, held, kept: kept + disturbed });
             }
-            spare = MORE * margins.needed(held, greatest);
+            kept = margins.kept(MORE * margins.spare(held, greatest), greatest);
         }
         None
     }
 
     /// What is to be left to the limits on a way by these places.
     fn margins(&self, error: &Error, places: &[Pose]) -> Option<Margins> {
-        let (mut of_error, mut at_rest) = (0.0f64, f64::INFINITY);
+        let (mut of_error, mut found, mut at_rest) = (0.0f64, 0.0f64, f64::INFINITY);
         for place in places {
             of_error = of_error.max(self.cost_of_error(place, error)?);
+            found = found.max(self.cost_of_disturbance(place)?);
             at_rest = at_rest.min(self.greatest_at_rest(place)?);
         }
-        let unknown = places.windows(2).map(|ends| self.unknown_on_the_way(&ends[0], &ends[1]));
-        let unknown = unknown.fold(0.0, f64::max);
-        // Where less is left at rest, no more is asked for.
+        let unknown = self.unknown_by(places);
+        let of_error = (of_error - unknown.at_rest()).max(0.0);
         let most = (LEFT * self.known_margin_at(places.first()?)).max(0.0);
-        Some(Margins { of_error, unknown, at_rest, most })
+        Some(Margins { of_error, unknown, found, at_rest, most })
     }
 
     /// The fastest motion that keeps `spare` (N) from the limits, with commands that are held for `hold` (s): in closed form where that knows the way, else on a grid.
@@ -265,7 +273,8 @@ impl Planner {
     ) -> Option<Timed> {
         let is_line =
             |shape: &Shape| path.way.is_straight() && is_level(shape, ends.0) && is_level(shape, ends.1);
-        let shape = self.shape.filter(is_line);
+        // What is not known is reckoned about what the observer has found of it, which no line has in it.
+        let shape = self.shape.filter(is_line).filter(|_| self.parameters.is_uncertain().is_none());
         let in_closed_form = shape.and_then(|shape| self.along_a_line(&shape, ends, spare, hold));
         in_closed_form.or_else(|| {
             let path = Path { limits: self.limits(spare), ..path.clone() };
