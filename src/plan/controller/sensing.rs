@@ -1,6 +1,6 @@
 //! What the controller takes in: the measured pose, and what it makes of one that makes no sense.
 
-use super::{Controller, IN_MOTION, Mode, least};
+use super::{Controller, IN_MOTION, Mode};
 use crate::control::estimator::SETTLING;
 use crate::control::{Estimator, static_tensions};
 use crate::plan::fault::{Check, Fault, check_pose, jump, pose_of_lengths};
@@ -94,7 +94,7 @@ impl Controller {
     fn hold_still(&mut self, fault: Fault) -> PerCable<f64> {
         self.outputs.fault = fault;
         let held = static_tensions(self.planner.rig(), &self.estimator.pose, self.planner.allowance());
-        self.limited(held.unwrap_or(least(&self.planner)))
+        self.limited_or_least(held)
     }
 
     /// Whether it turns out that the robot did not rest at the start. The planner's first set point presumed that it did.
