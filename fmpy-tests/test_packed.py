@@ -55,7 +55,7 @@ def test_ships_documentation_licence_and_icon_below_2_megabytes(version, model):
     assert path.stat().st_size < 2_000_000
     names = zipfile.ZipFile(path).namelist()
     assert "documentation/index.html" in names
-    assert any(name.startswith("documentation/licenses/") for name in names)
+    assert {f"documentation/licenses/{name}.txt" for name in ("license", "MIT", "Apache-2.0", "THIRD-PARTY")} <= set(names)
     assert ("model.png" if version == 2 else "terminalsAndIcons/icon.png") in names
     page = zipfile.ZipFile(path).read("documentation/index.html").decode()
     assert "<svg" in page and "fmpy" in page

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail, ensure};
 use cable_robot_fmi::{Model, Use};
 use cable_robot_import::{Fmu, Instance};
 
+use crate::library::cargo_home;
 use crate::platforms::{GLIBC, Platform};
 use crate::project_root;
 
@@ -28,9 +29,11 @@ pub fn symbols(library: &Path) -> Result<()> {
     let taken = listed(library, "--undefined-only")?;
     let mathematics: Vec<_> = MATHEMATICS.into_iter().filter(|name| taken.contains(*name)).collect();
     ensure!(mathematics.is_empty(), "the library takes from the platform {}", mathematics.join(", "));
-    let root = project_root().display().to_string();
     let bytes = fs::read(library)?;
-    ensure!(!bytes.windows(root.len()).any(|part| part == root.as_bytes()), "the library contains {root}");
+    for folder in [project_root(), cargo_home()?].map(|folder| folder.display().to_string()) {
+        let is_in_it = bytes.windows(folder.len()).any(|part| part == folder.as_bytes());
+        ensure!(!is_in_it, "the library contains {folder}");
+    }
     let standard = &declared("2.0", "FMI2_Export")? | &declared("3.0", "FMI3_Export")?;
     let list = |names: BTreeSet<String>| names.into_iter().collect::<Vec<_>>().join(", ");
     let (lacking, foreign) = (list(&standard - &exported), list(&exported - &standard));

@@ -40,7 +40,7 @@ pub fn anonymous() -> Result<Vec<String>> {
 }
 
 /// Where cargo keeps the sources of crates.
-fn cargo_home() -> Result<PathBuf> {
+pub fn cargo_home() -> Result<PathBuf> {
     let home = || Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo"));
     std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)

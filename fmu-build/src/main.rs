@@ -6,6 +6,7 @@ mod foreign;
 mod interop;
 mod library;
 mod modelica;
+mod notices;
 mod pack;
 mod platforms;
 mod python;
@@ -68,6 +69,8 @@ enum FmuTask {
     },
     /// Writes what ships in the FMUs to modelDescription/, where it can be read
     Describe,
+    /// Writes the licences of what is linked into the FMUs, which ship with them, and checks those of every package in Cargo.lock
+    Notices,
 }
 
 fn main() -> anyhow::Result<()> {
@@ -80,6 +83,10 @@ fn main() -> anyhow::Result<()> {
             Ok(())
         }
         Task::Fmu(FmuTask::Describe) => pack::describe(),
+        Task::Fmu(FmuTask::Notices) => {
+            println!("{}", notices::write()?.display());
+            Ok(())
+        }
         Task::Demo { rig: true, minutes, rate, .. } => rig_demo::run(&rig_demo::Wishes { minutes, rate }),
         Task::Demo { fmi: 2, .. } => demo::run(Version::Fmi2),
         Task::Demo { .. } => demo::run(Version::Fmi3),

@@ -58,6 +58,7 @@ pub fn run(wishes: &Wishes) -> Result<()> {
     let bridge = Command::new(root.join("target/release/can-bridge"))
         .current_dir(&root)
         .arg(&rig_file)
+        .args(["--controller", "target/fmu/fmi3/CableRobotController.fmu"])
         .args(["--bus", &address, "--scenario", SCENARIO, "--status", "-", "--record"])
         .arg(&folder)
         .stdin(Stdio::piped())

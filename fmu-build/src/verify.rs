@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-use crate::{foreign, interop, project_root, python};
+use crate::{foreign, interop, notices, project_root, python};
 
 /// What became of one stage.
 struct Row {
@@ -26,13 +26,14 @@ enum Outcome {
 type Stage = (&'static str, fn(&Path) -> Result<Outcome>);
 
 /// In the order of what is quickest to tell.
-const STAGES: [Stage; 8] = [
+const STAGES: [Stage; 9] = [
     ("rustfmt", |root| run(root, "cargo", &["fmt", "--all", "--check"])),
     ("clippy", |root| {
         run(root, "cargo", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
     }),
     ("documentation", |root| run(root, "cargo", &["doc", "--workspace", "--no-deps", "--quiet"])),
     ("bindings", bindings),
+    ("licences", |_| notices::check().map(|()| Outcome::Passed(1))),
     ("FMUs, built twice", built_twice),
     ("Rust tests", |root| run(root, "cargo", &["test", "--workspace", "--no-fail-fast"])),
     ("virtual machine", virtual_machine),

@@ -1,6 +1,7 @@
 //! Where the simulated rig meets the bridge: a pseudo-terminal or a TCP port that it offers, or a CAN address that it opens.
 
-use std::net::TcpListener;
+use std::io::Write;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 
 use anyhow::{Context, Result};
 use cable_robot_fieldbus::config::Bus;
@@ -17,7 +18,7 @@ pub struct Port {
 }
 
 impl Port {
-    /// Opens `address` for a bus: `pty`, `listen:HOST:PORT` or a CAN address. Says what the bridge has to be told.
+    /// Opens `address` for a bus: `pty`, `listen:PORT` of this machine alone, `listen:HOST:PORT` or a CAN address. Says what the bridge has to be told.
     pub fn open(bus: &Bus, address: &str) -> Result<(Self, String)> {
         let port = |link, listener| Self { link, listener, dropped: 0 };
         if address == "pty" {
@@ -25,9 +26,16 @@ impl Port {
             return Ok((port(Some(Box::new(link)), None), format!("slcan:{}", device.display())));
         }
         if let Some(at) = address.strip_prefix("listen:") {
-            let listener = TcpListener::bind(at).with_context(|| format!("cannot listen at {at}"))?;
+            let listener = match at.parse::<u16>() {
+                Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port)),
+                Err(_) => TcpListener::bind(at),
+            };
+            let listener = listener.with_context(|| format!("cannot listen at {at}"))?;
             listener.set_nonblocking(true)?;
             let at = listener.local_addr()?;
+            if !at.ip().is_loopback() {
+                warn_of_others(&bus.name, at)?;
+            }
             return Ok((port(None, Some(listener)), format!("slcan:tcp://{at}")));
         }
         let link = transport::open(address, bus.bit_rate as u32, &[])?;
@@ -61,5 +69,31 @@ impl Port {
     pub fn send(&mut self, frame: &Frame) {
         let sent = self.link.as_mut().is_some_and(|link| link.send(frame).is_ok());
         self.dropped += u64::from(!sent);
+    }
+}
+
+/// Nobody asks who connects.
+fn warn_of_others(bus: &str, at: SocketAddr) -> Result<()> {
+    writeln!(
+        std::io::stderr(),
+        "rig-sim: {bus} listens at {at}: whoever reaches this machine may connect and command the torques; listen:{} is for this machine alone",
+        at.port()
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use cable_robot_fieldbus::Files;
+
+    use super::*;
+
+    /// A port number alone was no address, so that people wrote 0.0.0.0.
+    #[test]
+    fn a_port_alone_is_one_of_this_machine() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
+        let config = Files::read(path.as_ref()).unwrap().config;
+        let (_port, told) = Port::open(&config.buses[0], "listen:0").unwrap();
+        assert!(told.starts_with("slcan:tcp://127.0.0.1:"), "{told}");
     }
 }

@@ -38,7 +38,8 @@ struct Arguments {
     /// The fieldbus file, the same as the bridge's
     #[arg(value_name = "FIELDBUS.toml")]
     fieldbus: PathBuf,
-    /// A bus and where it is: `can0=pty` (a new pseudo-terminal; all buses that are not named), `can0=listen:127.0.0.1:3333`, `can0=vcan0`,
+    /// A bus and where it is: `can0=pty` (a new pseudo-terminal; all buses that are not named), `can0=listen:3333` (a TCP port of
+    /// this machine; `listen:HOST:PORT` of others too, with a warning), `can0=vcan0`,
     /// `can0=slcan:/dev/ttyACM0`
     #[arg(long = "bus", value_name = "NAME=ADDRESS")]
     buses: Vec<String>,

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::robot::memory::are_finite;
 use crate::robot::{Coordinates, Pose};
 
 /// Commands remembered: a delay may span two steps less.
@@ -40,9 +41,14 @@ impl Commands {
         self.count += 1;
     }
 
-    /// A saved state may say any count.
     fn sent(&self) -> &[Command] {
-        &self.sent[..self.count.min(REMEMBERED)]
+        &self.sent[..self.count]
+    }
+
+    /// Whether a run can have left this: no more than are remembered.
+    pub fn is_sound(&self) -> bool {
+        self.count <= REMEMBERED
+            && self.sent().iter().all(|sent| sent.from.is_finite() && are_finite(&sent.acceleration))
     }
 
     /// The parts of a span of time in which one command acts: how long, s, and what it imposes.

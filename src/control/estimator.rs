@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Gains;
 use crate::robot::dynamics::{accelerations_of, wrench_of};
+use crate::robot::memory::are_finite;
 use crate::robot::{Coordinates, Pose, Rig};
 
 /// Decay of an estimation error, 1/s: far above the gains of the law, far below the sampling of a rig.
@@ -28,7 +29,16 @@ pub struct DisturbanceObserver {
     pub torque: f64,
 }
 
+/// Of a vector that was shortened to a length.
+const ROUNDING: f64 = 1e-12;
+
 impl DisturbanceObserver {
+    /// Whether it can have estimated this (N, N m).
+    pub fn can_find(&self, disturbance: &Vector6<f64>) -> bool {
+        let [force, torque] = [0, 3].map(|k| disturbance.fixed_rows::<3>(k).norm());
+        force <= self.force * (1.0 + ROUNDING) && torque <= self.torque * (1.0 + ROUNDING)
+    }
+
     /// What a disturbance that begins does through the law before it is found, integrated over all time, in units of its size: s. Derived in
     /// docs/controller.md.
     pub fn time(&self, gains: &Gains) -> f64 {
@@ -104,6 +114,11 @@ impl Estimator {
             self.disturbance += wrench_of(rig, &self.pose, &(innovation * (share * square / (dt * dt))));
             self.limit(observer);
         }
+    }
+
+    /// Whether a run can have left this.
+    pub fn is_sound(&self) -> bool {
+        [&self.pose.0, &self.rates, &self.disturbance, &self.unexplained].into_iter().all(are_finite)
     }
 
     fn limit(&mut self, observer: &DisturbanceObserver) {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::robot::memory::are_finite;
 use crate::robot::{PerCable, Rig};
 
 /// Integral gain, 1/s: an error of tension decays to a third in 0.05 s.
@@ -25,6 +26,17 @@ impl ForceLoop {
     pub fn new(rig: &Rig) -> Self {
         let largest = LARGEST_CORRECTION * rig.weight();
         Self { correction: rig.cables.map(|_| 0.0), largest, last_desired: None }
+    }
+
+    /// Whether a run with this rig can have left this.
+    pub fn is_sound(&self, rig: &Rig) -> bool {
+        let of_the_rig = Self::new(rig);
+        let is_of_each_cable =
+            |values: &PerCable<f64>| values.len() == rig.cables.len() && are_finite(values);
+        self.largest == of_the_rig.largest
+            && is_of_each_cable(&self.correction)
+            && self.correction.iter().all(|correction| correction.abs() <= self.largest)
+            && self.last_desired.as_ref().is_none_or(is_of_each_cable)
     }
 
     /// What the motors shall pull, N, so that the platform feels `desired`; `measured` is the answer to the previous call,

@@ -10,6 +10,7 @@ use super::planner::{Planner, horizontal, is_upright};
 use super::tangents::Tangents;
 use crate::control::active_set::{Outcome, Programme, Row};
 use crate::reach::static_workspace;
+use crate::robot::memory::are_finite;
 use crate::robot::{Pose, Shape};
 
 /// Halvings of the straight way to the goal in the search for the last pose on it at which the robot can rest.
@@ -63,6 +64,27 @@ impl Search {
     /// Whether `at` is the answer.
     pub fn has_ended(&self) -> bool {
         self.stage == Stage::Ended
+    }
+
+    /// Whether a run can have left this.
+    pub(super) fn is_sound(&self) -> bool {
+        let poses = [&self.goal, &self.at, &self.target];
+        poses.into_iter().all(|pose| are_finite(&pose.0))
+            && match self.stage {
+                Stage::OnTheWay { from, to, below, above, left } => {
+                    [2, 3, 6].contains(&self.free)
+                        && are_finite(&from.0)
+                        && are_finite(&to.0)
+                        && 0.0 <= below
+                        && below <= above
+                        && above <= 1.0
+                        && (0..=HALVINGS).contains(&left)
+                }
+                Stage::Nearing { reach, left } => {
+                    [2, 3, 6].contains(&self.free) && reach.is_finite() && reach >= 0.0 && left <= MOST_STEPS
+                }
+                Stage::Ended => true,
+            }
     }
 
     pub(super) fn ended(goal: &Pose, at: &Pose) -> Self {

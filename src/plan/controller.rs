@@ -1,6 +1,7 @@
 //! Controller and planner in one: the flow of Fig. 4 around the law (4). Pose in, tensions out.
 
 mod acting;
+mod memory;
 mod planning;
 mod sensing;
 
@@ -19,6 +20,7 @@ use super::stop::Stop;
 use super::through::MOST_WAY_POINTS;
 use super::tuning::Tuning;
 use crate::control::{Commands, DelayWatch, Estimator, ForceLoop, Reference};
+use crate::robot::memory::are_finite;
 use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig};
 
@@ -265,6 +267,12 @@ impl Controller {
         self.course.as_ref().is_some_and(|course| self.time < course.end())
     }
 
+    /// Tensions that may be commanded in the place of those that cannot: of numbers that overflow, or none.
+    fn limited_or_least(&self, tension: Option<PerCable<f64>>) -> PerCable<f64> {
+        let rig = self.planner.rig();
+        rig.clamped(&tension.filter(are_numbers).unwrap_or(rig.least_tensions()))
+    }
+
     fn report(&mut self, goal: &Pose) {
         // Once at rest, noise does not end it at once.
         let [of_pose, of_rates] = if self.outputs.steady { STILL_AT_REST } else { [1.0; 2] };
@@ -300,6 +308,10 @@ impl Controller {
             }
         };
     }
+}
+
+fn are_numbers(tension: &PerCable<f64>) -> bool {
+    are_finite(tension)
 }
 
 /// The platform's mass if the disturbance is weight, kg.

@@ -9,7 +9,7 @@ use super::minimum_time::Course;
 use crate::control::estimator::FASTEST_DIVERGENCE;
 use crate::control::{static_margin, static_tensions, swing};
 use crate::robot::pose::{LARGEST_PITCH, PITCH};
-use crate::robot::{Coordinates, PerCable, Pose, Rig, Shape, TensionLimits};
+use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, Shape, TensionLimits};
 
 /// Spans of time that the certificate looks at in one decision, for all the set points that are tried: what bounds the work.
 pub(super) const MOST_SPANS: usize = 600;
@@ -66,7 +66,7 @@ impl Situation<'_> {
 
 /// Gives set points towards a goal: its parameters, and what follows from them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "ControllerParameters", into = "ControllerParameters")]
+#[serde(try_from = "SavedParameters", into = "ControllerParameters")]
 pub struct Planner {
     pub(super) parameters: ControllerParameters,
     /// The paper's robot, where the rig is that.
@@ -90,6 +90,19 @@ impl From<ControllerParameters> for Planner {
             far: FAR * rig.radius(),
             parameters,
         }
+    }
+}
+
+/// Parameters that were saved somewhere: nothing follows from them before they are checked.
+#[derive(Deserialize)]
+struct SavedParameters(ControllerParameters);
+
+impl TryFrom<SavedParameters> for Planner {
+    type Error = ParameterError;
+
+    fn try_from(SavedParameters(parameters): SavedParameters) -> Result<Self, ParameterError> {
+        parameters.validate()?;
+        Ok(parameters.into())
     }
 }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::planner::{MOST_SPANS, Planner, Situation};
 use crate::control::{Response, static_tensions, tensions};
+use crate::robot::memory::are_finite;
 use crate::robot::{Coordinates, PerCable, Pose};
 
 /// How far ahead stops are tried, as a part of the way at which the law does not brake at first: hard stops come first.
@@ -18,6 +19,13 @@ pub(super) struct Stop {
     pub since: f64,
     /// Where it ends.
     pub at: Pose,
+}
+
+impl Stop {
+    /// Whether a run can have left this.
+    pub fn is_sound(&self) -> bool {
+        [&self.pose.0, &self.rates, &self.at.0].into_iter().all(are_finite) && self.since.is_finite()
+    }
 }
 
 impl Planner {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::exact::LEFT;
 use super::interface::{ControllerParameters, PlannerKind};
 use super::planner::{MOST_SPANS, Planner, Situation};
-use crate::robot::{PerCable, TensionLimits};
+use crate::robot::{ParameterError, PerCable, TensionLimits};
 
 /// What may change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +46,32 @@ impl Pending {
 }
 
 impl ControllerParameters {
+    /// The same with what may change as in `tuning`, which must have a limit for each cable.
+    #[must_use]
+    pub fn tuned(&self, tuning: &Tuning) -> Self {
+        let mut parameters = Self {
+            lambda: tuning.lambda,
+            eta: tuning.eta,
+            position_tolerance: tuning.position_tolerance,
+            angle_tolerance: tuning.angle_tolerance,
+            max_speed: tuning.max_speed,
+            max_angular_rate: tuning.max_angular_rate,
+            max_cable_speed: tuning.max_cable_speed,
+            ..*self
+        };
+        for (cable, limits) in parameters.rig.cables.iter_mut().zip(&tuning.limits) {
+            cable.limits = *limits;
+        }
+        parameters
+    }
+
+    /// Whether it may be tuned so: allocates for an error only.
+    pub(super) fn check_tuning(&self, tuning: &Tuning) -> Result<(), ParameterError> {
+        let tuned = self.tuned(tuning);
+        tuned.rig.validate_limits()?;
+        tuned.check_settings()
+    }
+
     /// What of these may change while the controller runs.
     pub fn tuning(&self) -> Tuning {
         Tuning {
@@ -64,19 +90,7 @@ impl ControllerParameters {
 impl Planner {
     /// The same with what may change as in `tuning`, which must have a limit for each cable. The rig keeps its shape.
     pub(super) fn tuned(&self, tuning: &Tuning) -> Self {
-        let mut parameters = ControllerParameters {
-            lambda: tuning.lambda,
-            eta: tuning.eta,
-            position_tolerance: tuning.position_tolerance,
-            angle_tolerance: tuning.angle_tolerance,
-            max_speed: tuning.max_speed,
-            max_angular_rate: tuning.max_angular_rate,
-            max_cable_speed: tuning.max_cable_speed,
-            ..self.parameters
-        };
-        for (cable, limits) in parameters.rig.cables.iter_mut().zip(&tuning.limits) {
-            cable.limits = *limits;
-        }
+        let parameters = self.parameters.tuned(tuning);
         Self { rest: parameters.rest(), parameters, ..*self }
     }
 

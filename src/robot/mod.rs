@@ -3,6 +3,7 @@
 pub mod dynamics;
 pub mod forward;
 pub mod kinematics;
+pub mod memory;
 pub mod parameters;
 pub mod per_cable;
 pub mod pose;
@@ -14,6 +15,7 @@ pub mod triangles;
 
 pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
 pub use kinematics::Cables;
+pub use memory::MemoryError;
 pub use parameters::{ParameterError, RobotParameters};
 pub use per_cable::{CableSet, MOST_CABLES, PerCable};
 pub use pose::{Coordinates, Pose};

@@ -2,6 +2,7 @@
 
 use nalgebra::{LU, Quaternion, Rotation3, SVector, U3, UnitQuaternion, Vector3, Vector6};
 
+use crate::robot::memory::are_finite;
 use crate::robot::{Cables, Coordinates, PerCable, Pose, Rig};
 
 /// Position (m), velocity (m/s), quaternion (w, x, y, z) from the platform's to the base frame, angular velocity in the platform's
@@ -62,6 +63,12 @@ pub fn normalised(mut state: State) -> State {
     let length = state.fixed_rows::<4>(6).norm();
     state.fixed_rows_mut::<4>(6).unscale_mut(length);
     state
+}
+
+/// Whether they are finite numbers, and the orientation is one, as [`normalised`] leaves it.
+pub(super) fn is_sound(state: &State) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    are_finite(state) && (state.fixed_rows::<4>(6).norm() - 1.0).abs() < ROUNDING
 }
 
 pub(super) fn quaternion(state: &State) -> Quaternion<f64> {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::body::{self, Body, State};
 use super::plant::{PlantInputs, PlantOutputs, PlantParameters, held_back, pull_only};
 use super::variation::{self, Change, Point};
-use crate::robot::{Cables, ParameterError, PerCable, Pose};
+use crate::robot::memory::{are_finite, expect};
+use crate::robot::{Cables, MemoryError, ParameterError, PerCable, Pose};
 
 /// The state, and which cables are taken to be taut until the integrator has found the instant at which one goes slack or taut.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +32,22 @@ impl ContinuousPlant {
         let mut plant = Self { parameters, state, taut };
         plant.settle(inputs);
         Ok(plant)
+    }
+
+    /// The parameters it was started with.
+    pub fn parameters(&self) -> &PlantParameters {
+        &self.parameters
+    }
+
+    /// Whether a run can have left this memory, as [`Plant::check`](super::Plant::check). An integrator may come to any states that are finite.
+    ///
+    /// # Errors
+    /// [`MemoryError`] for the first part that makes no sense.
+    pub fn check(&self) -> Result<(), MemoryError> {
+        self.parameters.validate()?;
+        expect(are_finite(&self.state), "state", "13 finite numbers")?;
+        let cables = self.parameters.rig.cables.len();
+        expect(self.taut.len() == cables, "cables taken to be taut", "said of each")
     }
 
     /// Decides anew which cables are taut.

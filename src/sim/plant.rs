@@ -8,9 +8,10 @@ use thiserror::Error;
 
 use super::body::{self, Body, State};
 use super::integrator::integrate;
+use crate::robot::memory::expect;
 use crate::robot::parameters::require;
 use crate::robot::{
-    Cables, Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, TensionLimits,
+    Cables, Coordinates, MemoryError, ParameterError, PerCable, Pose, Rig, RobotParameters, TensionLimits,
     forward_kinematics,
 };
 
@@ -234,6 +235,22 @@ impl Plant {
         }
         *self = next;
         Ok(())
+    }
+
+    /// Whether a run can have left this memory: before one that was saved somewhere is taken up.
+    ///
+    /// # Errors
+    /// [`MemoryError`] for the first part that makes no sense.
+    pub fn check(&self) -> Result<(), MemoryError> {
+        self.parameters.validate()?;
+        let cables = self.parameters.rig.cables.len();
+        let seen = &self.outputs;
+        expect(body::is_sound(&self.state), "state", "13 finite numbers, with a quaternion of length 1")?;
+        let pulls = self.motor.len() == cables
+            && self.motor.iter().all(|tension| tension.is_finite() && *tension >= 0.0);
+        expect(pulls, "motors' tensions", "one a cable, finite and 0 or greater (N)")?;
+        let lengths = [seen.cable_length.len(), seen.measured_tension.len(), seen.slack.len()];
+        expect(lengths == [cables; 3] && seen.infinite().is_none(), "outputs", "finite, one a cable")
     }
 
     /// The parameters it was started with.

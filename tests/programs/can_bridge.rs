@@ -44,15 +44,15 @@ fn rig_text() -> String {
         assert!(text.contains(from), "{from}");
         text = text.replacen(from, to, 1);
     }
-    let fmu = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .join("target/fmu/fmi3/CableRobotController.fmu");
-    assert!(fmu.is_file(), "{} is missing: run `cargo fmu build` first", fmu.display());
     let lab = concat!("rig = \"", env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml\"");
-    text.replacen("rig = \"lab.toml\"", lab, 1).replacen(
-        "target/fmu/fmi3/CableRobotController.fmu",
-        fmu.to_str().unwrap(),
-        1,
-    )
+    text.replacen("rig = \"lab.toml\"", lab, 1)
+}
+
+/// The packed controller.
+fn packed() -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu");
+    assert!(Path::new(path).is_file(), "{path} is missing: run `cargo fmu build` first");
+    path.to_owned()
 }
 
 fn config() -> Config {
@@ -249,7 +249,11 @@ fn can_bridge(arguments: &[&str]) -> Output {
 }
 
 fn replay(folder: &Path) -> (Option<i32>, String) {
-    let output = can_bridge(&["--replay", folder.to_str().unwrap()]);
+    replay_with(folder, &[])
+}
+
+fn replay_with(folder: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let output = can_bridge(&[&["--replay", folder.to_str().unwrap()], more].concat());
     (
         output.status.code(),
         String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap(),
@@ -308,6 +312,89 @@ fn the_papers_move_is_made_recorded_and_replayed_bit_for_bit() {
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(4), "{said}");
     assert!(said.contains("differs: "), "{said}");
+}
+
+/// A recording of some seconds before anything moves, with this program's own or with another controller.
+fn short_recording(more: &[&str]) -> (Lab, Program) {
+    let lab = Lab::start();
+    let mut program = Program::start(&lab.device, more);
+    program.until("state", "Homing", None);
+    program.signal("TERM");
+    assert_eq!(program.exit_code(), Some(0), "{}", program.messages());
+    (lab, program)
+}
+
+/// A folder of data ran the FMU that its fieldbus.toml named.
+#[test]
+fn a_recorded_folder_runs_no_code_that_it_names() {
+    let (_lab, program) = short_recording(&[]);
+    let path = program.run_folder().join("fieldbus.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    // A library that leaves a trace when it is loaded would be named here; that the file does not even exist is no failure.
+    fs::write(
+        &path,
+        text.replacen(
+            "[controller.parameters]",
+            "[controller]\nfmu = \"evil.fmu\"\n[controller.parameters]",
+            1,
+        ),
+    )
+    .unwrap();
+    let (code, said) = replay(&program.run_folder());
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = replay_with(&program.run_folder(), &["--controller", &packed()]);
+    assert!(code == Some(1) && said.contains("own controller: leave out --controller"), "{said}");
+}
+
+#[test]
+fn a_recording_of_a_packed_controller_is_replayed_with_that_one_only() {
+    let (_lab, program) = short_recording(&["--controller", &packed()]);
+    let (code, said) = replay(&program.run_folder());
+    assert!(code == Some(1) && said.contains("an FMU with sha256:"), "{said}");
+    let (code, said) = replay_with(&program.run_folder(), &["--controller", &packed()]);
+    assert!(code == Some(0) && said.contains("the same commands"), "{said}");
+    let other = packed().replace("fmi3", "fmi2");
+    let (code, said) = replay_with(&program.run_folder(), &["--controller", &other]);
+    assert!(code == Some(1) && said.contains("an FMU with sha256:"), "{said}");
+}
+
+/// "The same commands, bit for bit", exit 0, was said of these.
+#[test]
+fn nothing_in_a_recording_is_left_unlooked_at() {
+    let (_lab, program) = short_recording(&[]);
+    let folder = program.run_folder();
+    let changed = |name: &str, change: &dyn Fn(&str) -> String| {
+        let path = folder.join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, change(&text)).unwrap();
+        let outcome = replay(&folder);
+        fs::write(&path, text).unwrap();
+        outcome
+    };
+    let (code, said) = replay(&folder);
+    assert_eq!(code, Some(0), "{said}");
+    let middle = |text: &str| text.lines().nth(text.lines().count() / 2).unwrap().to_owned();
+    let (code, said) = changed("frames.log", &|text| format!("{text}\0\0\0"));
+    assert!(code == Some(1) && said.contains("something behind the last frame"), "{said}");
+    let (code, said) = changed("inputs.csv", &|text| format!("{text}18446744073709551615,release\n"));
+    assert!(code == Some(1) && said.contains("there is no cycle 18446744073709551615"), "{said}");
+    let (code, said) = changed("frames.log", &|text| {
+        let line = middle(text);
+        text.replacen(&line, &line.replacen('(', "(9", 1), 1)
+    });
+    let is_found = said.contains("frames.log: line") || said.contains("does not follow on the cycle");
+    assert!(code == Some(1) && is_found, "{said}");
+    let (code, said) = changed("cycles.csv", &|text| {
+        let line = middle(text);
+        text.replacen(&line, &format!("9{line}"), 1)
+    });
+    assert!(code == Some(1) && said.contains("does not follow on the cycle"), "{said}");
+    let (code, said) = changed("cycles.csv", &|text| text.replacen(&middle(text), "nonsense", 1));
+    assert!(code == Some(1) && said.contains("cycles.csv"), "{said}");
+    fs::remove_file(folder.join("frames.log")).unwrap();
+    assert!(Command::new("mkfifo").arg(folder.join("frames.log")).status().unwrap().success());
+    let (code, said) = replay(&folder);
+    assert!(code == Some(1) && said.contains("frames.log is no regular file"), "{said}");
 }
 
 #[test]
@@ -531,13 +618,23 @@ fn check_prints_what_fits_and_a_kilohertz_is_refused() {
         ("forceLoop = true", "forceLoop = 1.0", "controller.parameters.forceLoop = 1: it is a Boolean"),
         ("\"CableLengths\"", "\"Cables\"", "poseSource = Cables: it is one of EncoderPose, CableLengths"),
         ("forceLoop = true", "minTension = 1.0", "minTension = 1 is not allowed: the rig file says it"),
-        ("CableRobotController.fmu", "CableRobotPlant.fmu", "CableRobotPlant.fmu is a plant, no controller"),
-        ("CableRobotController.fmu", "Nothing.fmu", "Nothing.fmu cannot be opened as an FMU"),
         ("rate = 100.0", "rate = 0.0", "line 7: rate = 0 is not allowed"),
     ] {
         let (code, [_, refused]) = check(&rig_text().replacen(from, to, 1));
         assert_eq!(code, Some(1), "{to}");
         assert!(refused.contains(expected), "{to}: {refused}");
+    }
+    for (name, expected) in [
+        ("CableRobotPlant.fmu", "CableRobotPlant.fmu is a plant, no controller"),
+        ("Nothing.fmu", "cannot read "),
+    ] {
+        let path = folder.path().join("rig.toml");
+        fs::write(&path, rig_text()).unwrap();
+        let other = packed().replace("CableRobotController.fmu", name);
+        let output = can_bridge(&[path.to_str().unwrap(), "--check", "--controller", &other]);
+        let refused = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{name}");
+        assert!(refused.contains(expected), "{name}: {refused}");
     }
     let full = fs::File::create("/dev/full").unwrap();
     let rig = folder.path().join("rig.toml");

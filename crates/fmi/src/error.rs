@@ -7,7 +7,7 @@ use super::log::Category;
 use super::models::Scalar;
 use super::variables::Kind;
 use cable_robot::plan::OF_LONGEST_STEP;
-use cable_robot::robot::ParameterError;
+use cable_robot::robot::{MemoryError, ParameterError};
 use cable_robot::sim::plant::PlantError;
 
 /// Status of a call: the numbers are the same in both versions of the standard.
@@ -64,6 +64,8 @@ pub enum FmiError {
     Plant(#[from] PlantError),
     #[error("this is not a usable FMU state: {0}")]
     State(String),
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     #[error("the log category {name:?} does not exist; the categories are {known}")]
     UnknownCategory { name: String, known: String },
     #[error(

@@ -207,12 +207,13 @@ impl Instance {
     /// Goes on from a saved state, whatever has happened since.
     ///
     /// # Errors
-    /// [`FmiError::State`] for a state of the other model.
+    /// [`FmiError::State`] for a state of the other model or of another rig.
     pub fn restore(&mut self, saved: &Snapshot) -> Result<(), FmiError> {
         if saved.model() != self.model() {
             let (theirs, ours) = (saved.model().identifier(), self.model().identifier());
             return Err(FmiError::State(format!("it was saved by {theirs}, this is {ours}")));
         }
+        saved.check(&self.interface)?;
         if saved.state == State::EventMode && self.usage == Use::CoSimulation {
             return Err(FmiError::State(
                 "it was saved in Event Mode, which this instance does not use".to_owned(),
@@ -265,7 +266,7 @@ impl Instance {
         let mut repeated = None;
         for (i, &reference) in references.iter().enumerate() {
             let scalar = self.scalar(function, handles, reference)?;
-            check_value(&scalar, take(i))?;
+            scalar.check(take(i))?;
             if let Err(error) = self.check_settable(&scalar) {
                 // Some importers write all parameters again before each step; what does not change is let pass.
                 let is_same =
@@ -379,18 +380,6 @@ impl Instance {
                 self.event(|_| format!("{name} changed from {old} to {new} in the step to t = {time} s"));
             }
         }
-    }
-}
-
-/// Numbers are finite always, integers whole, Booleans 0 or 1 (where reals stand for them); enumerations have an item for them. Ranges of parameters are checked by the model when
-/// initialisation ends, since they may be set in any order.
-fn check_value(scalar: &Scalar, value: f64) -> Result<(), FmiError> {
-    match scalar.row.kind {
-        Kind::Enumeration(kind) if kind.has(value) => Ok(()),
-        Kind::Float64 if value.is_finite() => Ok(()),
-        Kind::Int32 if f64::from(value as i32) == value => Ok(()),
-        Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
-        _ => Err(FmiError::bad_value(scalar, value)),
     }
 }
 

@@ -9,7 +9,6 @@ use super::error::FmiError;
 use super::lifecycle::State;
 use super::models::{Interface, Model, Running, Use, Variant};
 use super::values::Values;
-use super::variables::{Causality, Kind, Row};
 
 /// All that an instance is, except for where its messages go.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,22 +78,34 @@ impl Snapshot {
         let payload = payload(interface, bytes).map_err(FmiError::State)?;
         let snapshot: Self =
             postcard::from_bytes(payload).map_err(|error| FmiError::State(error.to_string()))?;
-        if snapshot.is_consistent(interface) {
-            return Ok(snapshot);
-        }
-        Err(FmiError::State("its parts contradict each other".to_owned()))
+        snapshot.check(interface)?;
+        Ok(snapshot)
     }
 
-    /// Guards against bytes that were made, not saved.
-    fn is_consistent(&self, interface: &Interface) -> bool {
-        self.model == interface.model()
+    /// Guards against bytes that were made, not saved, and against states of another rig: every value as where it is set, and a memory that a run with these
+    /// values can have left.
+    ///
+    /// # Errors
+    /// [`FmiError::State`] with the first that cannot be.
+    pub(super) fn check(&self, interface: &Interface) -> Result<(), FmiError> {
+        let unusable = |error| match error {
+            FmiError::State(_) => error,
+            other => FmiError::State(other.to_string()),
+        };
+        let steps = matches!(self.state, State::StepMode | State::EventMode | State::ContinuousTimeMode);
+        let belongs = self.model == interface.model()
             && self.values.fits(interface)
             && self.stop.is_none_or(f64::is_finite)
-            && self.running.as_ref().is_none_or(|running| running.model() == self.model)
             && self.state_belongs_to_use(interface)
-            && (self.running.is_some()
-                || !matches!(self.state, State::StepMode | State::EventMode | State::ContinuousTimeMode))
-            && self.enumerations_have_items(interface)
+            && (self.running.is_some() || !steps);
+        if !belongs {
+            return Err(FmiError::State("its parts contradict each other".to_owned()));
+        }
+        self.values.check(interface).map_err(unusable)?;
+        match &self.running {
+            Some(running) => running.check(interface, &self.values, self.time()).map_err(unusable),
+            None => Ok(()),
+        }
     }
 
     fn state_belongs_to_use(&self, interface: &Interface) -> bool {
@@ -104,15 +115,6 @@ impl Snapshot {
             State::EventMode | State::ContinuousTimeMode => self.model.usage() == Use::ModelExchange,
             _ => true,
         }
-    }
-
-    fn enumerations_have_items(&self, interface: &Interface) -> bool {
-        let calculated = self.running.is_some();
-        let set = |row: &&&'static Row| calculated || row.causality != Causality::Output;
-        interface.rows().iter().filter(set).all(|row| {
-            let Kind::Enumeration(kind) = row.kind else { return true };
-            kind.has(self.values.scalar(row))
-        })
     }
 }
 

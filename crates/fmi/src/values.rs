@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::models::Interface;
+use super::error::FmiError;
+use super::models::{Interface, Scalar};
 use super::variables::{Causality, Kind, Row};
 use cable_robot::robot::{Coordinates, PerCable, Pose};
 
@@ -29,14 +30,24 @@ impl Values {
         grown
     }
 
-    /// Whether this can be the values of an interface: the right number of them, and finite where they were set.
+    /// Whether an interface has so many values.
     pub fn fits(&self, interface: &Interface) -> bool {
-        let set = |causality: Causality| !matches!(causality, Causality::Output | Causality::Local);
         (self.cables, self.numbers.len()) == (interface.cables(), interface.start().numbers.len())
-            && interface
-                .scalars()
-                .filter(|scalar| set(scalar.row.causality))
-                .all(|scalar| self.at(scalar.reference).is_finite())
+    }
+
+    /// Checks those that are set from outside as where they are set.
+    ///
+    /// # Errors
+    /// [`FmiError::BadValue`] for the first that is none of its row's type.
+    pub fn check(&self, interface: &Interface) -> Result<(), FmiError> {
+        let set = |scalar: &Scalar| !matches!(scalar.row.causality, Causality::Output | Causality::Local);
+        interface.scalars().filter(set).try_for_each(|scalar| scalar.check(self.at(scalar.reference)))
+    }
+
+    /// Whether they are the same numbers, bit for bit.
+    pub fn are(&self, others: &Self) -> bool {
+        let bits = |number: &f64| number.to_bits();
+        self.cables == others.cables && self.numbers.iter().map(bits).eq(others.numbers.iter().map(bits))
     }
 
     /// The value behind a reference of the table.

@@ -1,12 +1,12 @@
 //! C strings, arrays, messages, and panics that stop here.
 
 use std::ffi::{CStr, c_char, c_int};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::ptr;
 
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{Coordinates, Pose, RigFile, TensionLimits};
+use cable_robot_boundary::guarded as guard;
 
 /// What failed, for people.
 pub type Failure = String;
@@ -35,15 +35,15 @@ impl Message {
     }
 }
 
-/// Runs what may fail or panic: 0, or 1 and a message.
+/// Runs what may fail or panic, in the default floating-point environment: 0, or 1 and a message.
 ///
 /// # Safety
 /// As [`Message::put`].
 pub unsafe fn guarded(message: Message, act: impl FnOnce() -> Result<(), Failure>) -> c_int {
-    let failure = match catch_unwind(AssertUnwindSafe(act)) {
+    let failure = match guard(act) {
         Ok(Ok(())) => return 0,
         Ok(Err(failure)) => failure,
-        Err(_) => "the library has failed: this is a defect of CableRobot".to_owned(),
+        Err(panic) => format!("the library has failed: this is a defect of CableRobot: {panic}"),
     };
     // SAFETY: as the caller promises.
     unsafe { message.put(&failure) };

@@ -5,7 +5,7 @@ use cable_robot_fieldbus::bus_load::{bus_loads, worst_case_bits};
 use cable_robot_fieldbus::canopen::TPDO1;
 use cable_robot_report::run_folder::Model;
 
-use super::controller::FmuController;
+use super::controller::BridgeController;
 
 /// A frame of every cycle.
 struct CycleFrame {
@@ -16,11 +16,14 @@ struct CycleFrame {
 }
 
 /// Controller, frames and load.
-pub fn text(config: &Config, controller: &FmuController) -> String {
+pub fn text(config: &Config, controller: &BridgeController) -> String {
     let mut text = format!("{}\n", config.name);
-    if let Model::Fmu { path, name, fmi_version } = controller.info() {
-        text += &format!("controller: {name}, FMI {fmi_version}, {}\n", path.display());
-    }
+    text += &match controller.info() {
+        Model::Fmu { path, name, fmi_version } => {
+            format!("controller: {name}, FMI {fmi_version}, {} ({})\n", path.display(), controller.identity())
+        }
+        Model::Library | Model::Rig => "controller: the program's own\n".to_owned(),
+    };
     let rate = 1e9 / config.period as f64;
     let frames = frames(config);
     for (k, load) in bus_loads(config).iter().enumerate() {

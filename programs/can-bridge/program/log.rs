@@ -11,6 +11,7 @@ use cable_robot_fieldbus::bridge::{CycleReport, TransportError};
 use cable_robot_fieldbus::candump::{Line, parse_frame};
 use cable_robot_fieldbus::{Config, Nanoseconds};
 
+use super::controller::Identity;
 use super::entry::{Cycle, Input, OnBus};
 use super::operator;
 
@@ -22,6 +23,14 @@ pub const CYCLES: &str = "cycles.csv";
 
 /// What [`INPUTS`] says of a session that sent nothing.
 pub const DRY_RUN: &str = "dry-run";
+/// What [`INPUTS`] says first: which controller it was.
+pub fn controller_text(identity: &Identity) -> String {
+    format!("{CONTROLLER}{identity}")
+}
+
+/// What of [`controller_text`] comes before the identity.
+pub const CONTROLLER: &str = "controller ";
+
 /// What [`INPUTS`] says where the queue was full.
 pub const GAP: &str = "gap";
 
@@ -105,7 +114,6 @@ pub fn columns(cables: usize) -> Vec<String> {
 
 /// A row of [`CYCLES`] in the order of [`columns`]; `received` and `sent` count the frames so far and of the cycle.
 pub fn row(cycle: &Cycle, received: u64, sent: u64) -> Vec<String> {
-    let microseconds = |time: Nanoseconds| format!("{}", time as f64 / 1e3);
     let mut row = vec![
         seconds(cycle.report.time),
         received.to_string(),
@@ -138,6 +146,19 @@ pub fn computed(report: &CycleReport) -> Vec<String> {
         None => Default::default(),
     });
     row
+}
+
+/// As a number that may have a fraction.
+fn microseconds(time: Nanoseconds) -> String {
+    format!("{}", time as f64 / 1e3)
+}
+
+/// Reads what [`microseconds`] wrote.
+pub fn parse_microseconds(text: &str) -> Result<Nanoseconds, String> {
+    let parsed = text.parse().ok().filter(|time: &f64| (0.0..1e15).contains(time));
+    parsed
+        .map(|time| (time * 1e3).round() as Nanoseconds)
+        .ok_or_else(|| format!("{text:?}: expected a time in us"))
 }
 
 /// Whole microseconds as seconds, as candump has them.
@@ -179,6 +200,9 @@ mod tests {
         ] {
             let text = input_text(&config, &input);
             assert_eq!(parse_input(&config, &text), Ok(input), "{text}");
+        }
+        for time in [0, 1, 1_000, 123_456_789] {
+            assert_eq!(parse_microseconds(&microseconds(time)), Ok(time));
         }
         for time in [0, 1_000, 999_999_000, 12_345_678_000] {
             assert_eq!(parse_seconds(&seconds(time)), Ok(time));

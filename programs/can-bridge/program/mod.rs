@@ -8,6 +8,7 @@ mod journal;
 mod log;
 mod operator;
 mod outlet;
+mod privileges;
 mod real_time;
 mod record;
 mod replay;
@@ -29,7 +30,7 @@ use cable_robot_fieldbus::{Files, bus_load, export};
 use cable_robot_programs::errors;
 use clap::Parser;
 
-use controller::FmuController;
+use controller::BridgeController;
 use journal::Journal;
 use session::{End, Session};
 use terminal::say;
@@ -41,7 +42,7 @@ drives do not confirm that they are off; 6 the torque was cut off at once (secon
 signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole.
 Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
 
-/// The packed controller against the drives and load cells of a rig on a CAN bus
+/// The controller against the drives and load cells of a rig on a CAN bus
 #[derive(Parser)]
 #[command(name = "can-bridge", version, after_help = EXIT_CODES)]
 struct Arguments {
@@ -51,6 +52,9 @@ struct Arguments {
     /// Looks at fieldbus file, rig file, controller and bus load, and opens no bus
     #[arg(long)]
     check: bool,
+    /// Takes the controller of this FMU, whose code then runs in this program, instead of the program's own
+    #[arg(long, value_name = "FMU")]
+    controller: Option<PathBuf>,
     /// Writes the frames of this bus with names, scaling and units to stdout, as a DBC file for bench tools
     #[arg(long, value_name = "BUS", conflicts_with_all = ["check", "dry_run", "scenario", "record", "status", "no_realtime"])]
     export_dbc: Option<String>,
@@ -123,7 +127,7 @@ fn print(text: &str) -> Result<()> {
 
 fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(folder) = &arguments.replay {
-        return replay::run(folder);
+        return replay::run(folder, arguments.controller.as_deref());
     }
     let files = Files::read(arguments.fieldbus.as_deref().unwrap_or(Path::new("")))?;
     let config = &files.config;
@@ -138,7 +142,12 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
         print(&export::dbc(config, bus))?;
         return Ok(Outcome::Done);
     }
-    let controller = FmuController::open(config)?;
+    if let Some(named) = &config.controller.fmu {
+        say(format_args!(
+            "can-bridge: controller.fmu = {named:?} of the fieldbus file is not loaded: a file runs no code. --controller FMU takes another controller than the own"
+        ));
+    }
+    let controller = BridgeController::open(config, arguments.controller.as_deref())?;
     if arguments.check {
         print(&check::text(config, &controller))?;
     }
@@ -149,7 +158,7 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.check { Ok(Outcome::Done) } else { drive(arguments, &files, controller) }
 }
 
-fn drive(arguments: &Arguments, files: &Files, mut controller: FmuController) -> Result<Outcome> {
+fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController) -> Result<Outcome> {
     let config = &files.config;
     arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
     let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, config))?;

@@ -10,8 +10,8 @@ use thread_priority::{
 
 /// Of 99: above what a kernel gives its interrupt threads (50).
 const PRIORITY: u8 = 80;
-const ADVICE: &str = "cycles may come late. Allow it with `sudo setcap cap_sys_nice,cap_ipc_lock=ep` on the program, or rtprio \
-                      and memlock in /etc/security/limits.d; --no-realtime leaves it as it is";
+const ADVICE: &str = "cycles may come late. Allow it with rtprio and memlock for the user in /etc/security/limits.d; --no-realtime \
+                      leaves it as it is";
 
 /// Gives the calling thread a real-time priority and locks the memory. What the system refuses is said, and is no error.
 pub fn prepare() -> Vec<String> {

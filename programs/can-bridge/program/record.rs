@@ -14,7 +14,7 @@ use cable_robot_report::recording::{Recording as Rows, columns};
 use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
 use nalgebra::Vector3;
 
-use super::controller::FmuController;
+use super::controller::BridgeController;
 use super::entry::{Cycle, Entry, Input};
 use super::log::{self, Direction};
 
@@ -70,7 +70,7 @@ pub struct Recording {
 
 impl Recording {
     /// Makes the folder and its files.
-    pub fn create(folder: &Path, files: &Files, controller: &FmuController, is_dry: bool) -> Result<Self> {
+    pub fn create(folder: &Path, files: &Files, controller: &BridgeController, is_dry: bool) -> Result<Self> {
         run_folder::make(folder)?;
         let create = |name: &str| {
             let path = folder.join(name);
@@ -82,6 +82,7 @@ impl Recording {
         let config = &files.config;
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
         inputs.write_record(["cycle", "input"])?;
+        inputs.write_record(["0", &log::controller_text(controller.identity())])?;
         if is_dry {
             inputs.write_record(["0", log::DRY_RUN])?;
         }
@@ -159,13 +160,13 @@ struct Run {
 }
 
 impl Run {
-    fn new(folder: &Path, config: &Config, controller: &FmuController) -> Self {
+    fn new(folder: &Path, config: &Config, controller: &BridgeController) -> Self {
         let info = RunInfo {
             format: FORMAT,
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             title: config.name.clone(),
             scenario: None,
-            controller: controller.info(),
+            controller: controller.info().clone(),
             plant: run_folder::Model::Rig,
             rig: config.name.clone(),
             orbit: None,

@@ -3,6 +3,7 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::path::PathBuf;
 use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 
@@ -16,7 +17,7 @@ use cable_robot_fieldbus::{
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::controller::FmuController;
+use super::controller::BridgeController;
 use super::entry::{Entry, Teller};
 use super::session::{End, Session};
 
@@ -47,12 +48,15 @@ static ALLOCATOR: Counting = Counting;
 pub fn config() -> Config {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
     let mut config = Files::read(path.as_ref()).unwrap().config;
-    config.controller.fmu =
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu").to_owned();
     config.limits.lost_cycles = 100;
     config.heartbeat.timeout = 2_000_000_000;
     config.heartbeat.drive_watchdog = 2_000_000_000;
     config
+}
+
+/// The FMU of the project.
+pub fn packed() -> PathBuf {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu").into()
 }
 
 /// A simulated rig on which time passes when the bridge reads. It allocates; that is not counted.
@@ -152,7 +156,7 @@ fn library() -> LibraryController {
 
 #[test]
 fn a_cycle_allocates_nothing() {
-    let mut controller = FmuController::open(&config()).unwrap();
+    let mut controller = BridgeController::open(&config(), Some(&packed())).unwrap();
     let mut bench = Bench::new(&mut controller);
     bench.start();
     let before = CALLS.get();

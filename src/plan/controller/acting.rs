@@ -1,6 +1,6 @@
 //! What the controller gives: the tensions of the law, for when they act.
 
-use super::{Controller, Mode};
+use super::{Controller, Mode, are_numbers};
 use crate::control::{Estimator, Reference, Response, lyapunov, tensions};
 use crate::plan::fault::{Check, Fault};
 use crate::plan::interface::ControllerInputs;
@@ -24,7 +24,8 @@ impl Controller {
         match self.mode {
             Mode::Active => {}
             Mode::Disabled => self.outputs.motor_tension = self.planner.rig().least_tensions(),
-            Mode::Waiting(held) => self.outputs.motor_tension = held,
+            // The limits may be others than when it began to wait.
+            Mode::Waiting(held) => self.outputs.motor_tension = self.planner.rig().clamped(&held),
             Mode::Faulted(stop) => self.outputs.motor_tension = self.braking(&stop),
         }
         self.report(&inputs.goal_pose);
@@ -44,13 +45,14 @@ impl Controller {
             }
             None => self.planner.tensions_of(stop, middle),
         };
-        rig.clamped(&tension.unwrap_or(rig.least_tensions()))
+        self.limited_or_least(tension)
     }
 
     fn law(&self, (pose, rates): &(Pose, Coordinates), reference: &Reference) -> Option<PerCable<f64>> {
         let gains = self.planner.parameters.gains();
         let margin = self.planner.allowance();
         lyapunov::tension_command(self.planner.rig(), &gains, pose, rates, reference, margin)
+            .filter(are_numbers)
     }
 
     /// The reference for which the command of this step is computed, with the mean of its accelerations over the interval in which it acts.

@@ -9,6 +9,7 @@ use crate::plan::interface::PlannerKind;
 use crate::plan::planner::{Planner, Situation};
 use crate::plan::prediction::{Motion, Prediction};
 use crate::plan::tuning::{Pending, Tuning};
+use crate::robot::memory::are_finite;
 use crate::robot::{Coordinates, ParameterError, Pose};
 
 /// A course that was not found is looked for again after this time, s.
@@ -24,13 +25,17 @@ pub(super) struct Refused {
 }
 
 impl Refused {
+    pub(super) fn is_sound(&self) -> bool {
+        are_finite(&self.set_point.0) && are_finite(&self.aim.0) && self.until.is_finite()
+    }
+
     fn is_still(&self, set_point: &Pose, aim: &Pose, time: f64) -> bool {
         (self.set_point, self.aim) == (*set_point, *aim) && time < self.until
     }
 }
 
 /// Of communication points, as a share of the planner's period.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 
 impl Controller {
     /// What may change while it runs, as it was tuned last.
@@ -44,9 +49,7 @@ impl Controller {
     /// # Errors
     /// [`ParameterError`] for what makes no sense; then all stays as it was.
     pub fn tune(&mut self, tuning: &Tuning) -> Result<(), ParameterError> {
-        let tuned = self.planner.tuned(tuning).parameters;
-        tuned.rig.validate_limits()?;
-        tuned.check_settings()?;
+        self.planner.parameters.check_tuning(tuning)?;
         self.wanted = (*tuning != self.planner.parameters.tuning()).then_some(*tuning);
         self.outputs.pending = if self.wanted.is_some() { Pending::Undecided } else { Pending::No };
         Ok(())
@@ -106,14 +109,14 @@ impl Controller {
             if self.unreachable { self.planner.distance(&instead, goal) } else { 0.0 };
         if let Some(next) = next {
             self.outputs.set_point = next;
-            self.outputs.set_point_index += 1;
+            self.outputs.set_point_index = self.outputs.set_point_index.saturating_add(1);
             self.outputs.steady = false;
         }
         self.predict();
     }
 
     /// When the planner's clock started, s: that of `MinimumTime` when it is known how the robot moved at the start, for its motions leave no room for that.
-    fn planning_since(&self) -> f64 {
+    pub(super) fn planning_since(&self) -> f64 {
         let is_fast = self.planner.parameters.planner == PlannerKind::MinimumTime;
         if is_fast { self.started + SETTLING } else { self.started }
     }

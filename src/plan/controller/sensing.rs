@@ -94,8 +94,7 @@ impl Controller {
     fn hold_still(&mut self, fault: Fault) -> PerCable<f64> {
         self.outputs.fault = fault;
         let held = static_tensions(self.planner.rig(), &self.estimator.pose, self.planner.allowance());
-        let rig = self.planner.rig();
-        rig.clamped(&held.unwrap_or(rig.least_tensions()))
+        self.limited_or_least(held)
     }
 
     /// Whether it turns out that the robot did not rest at the start. The planner's first set point presumed that it did.

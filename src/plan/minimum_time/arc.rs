@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use crate::reach::certificate::part::along;
+use crate::robot::memory::are_finite;
 
 /// Intervals of a way on the grid; a line that would have more in closed form is planned there.
 pub const MOST_ARCS: usize = 64;
@@ -70,6 +71,13 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// Whether a run can have left this.
+    pub(super) fn is_sound(&self) -> bool {
+        self.arcs.iter().all(|arc| are_finite(&[arc.begin, arc.s, arc.v, arc.a, arc.beta]))
+            && self.end.is_finite()
+            && self.duration.is_finite()
+    }
+
     /// At rest at `s`.
     pub(super) fn begun_at(s: f64) -> Self {
         Self { end: s, ..Self::default() }
@@ -83,7 +91,7 @@ impl Timing {
         let arc = Arc { begin: self.duration, s: self.end, v, a, beta };
         let time = arc.time(to - self.end, v1);
         self.end = to;
-        // Rounding may leave an arc without speed; what a saved state says may be anything.
+        // Rounding may leave an arc without speed.
         if time.is_finite() {
             self.arcs.push(arc);
             self.duration += time;

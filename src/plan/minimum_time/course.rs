@@ -11,6 +11,7 @@ use crate::control::Reference;
 use crate::reach::certificate::along::MOST_PARTS;
 use crate::reach::certificate::part::Part;
 use crate::reach::certificate::section::Section;
+use crate::robot::memory::are_finite;
 use crate::robot::{Pose, Rig};
 
 /// A way.
@@ -24,6 +25,13 @@ pub enum Way {
 }
 
 impl Way {
+    fn is_sound(&self, cables: usize) -> bool {
+        match self {
+            Self::Line(line, section) => line.is_sound() && section.is_sound(),
+            Self::Path(path) => path.is_sound(cables),
+        }
+    }
+
     fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
         match self {
             Self::Line(line, _) => line.stop(s, v),
@@ -63,6 +71,14 @@ pub struct Leg {
 }
 
 impl Leg {
+    fn is_sound(&self, cables: usize) -> bool {
+        self.way.is_sound(cables)
+            && self.timing.is_sound()
+            && self.begin.is_finite()
+            && !self.held.is_nan()
+            && !self.kept.is_nan()
+    }
+
     /// When it ends, s.
     pub(super) fn end(&self) -> f64 {
         self.begin + self.timing.duration
@@ -136,6 +152,11 @@ impl Course {
     pub(super) fn and(mut self, leg: Leg, goal: &Pose) -> Option<Self> {
         self.legs.try_push(leg).ok()?;
         Some(Self { goal: *goal, ..self })
+    }
+
+    /// Whether a run with so many cables can have left this.
+    pub(in crate::plan) fn is_sound(&self, cables: usize) -> bool {
+        !self.legs.is_empty() && self.legs.iter().all(|leg| leg.is_sound(cables)) && are_finite(&self.goal.0)
     }
 
     pub(super) fn legs(&self) -> &[Leg] {

@@ -52,6 +52,15 @@ impl Line {
         Self { robot: *robot, limits, from: *from, direction, length }
     }
 
+    /// Whether a run can have left this.
+    pub(super) fn is_sound(&self) -> bool {
+        self.robot.validate().is_ok()
+            && self.limits.min.is_finite()
+            && !self.limits.max.is_nan()
+            && self.from.iter().chain(&self.direction).all(|number| number.is_finite())
+            && self.length.is_finite()
+    }
+
     /// m.
     pub fn length(&self) -> f64 {
         self.length

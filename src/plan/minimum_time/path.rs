@@ -61,6 +61,14 @@ pub struct Path {
 type Narrowed = [f64; INTERVALS + 1];
 
 impl Path {
+    /// Whether a run with so many cables can have left this.
+    pub(super) fn is_sound(&self, cables: usize) -> bool {
+        self.way.is_sound()
+            && self.limits.len() == cables
+            && self.limits.iter().all(|limits| limits.min.is_finite() && !limits.max.is_nan())
+            && !self.fastest.is_nan()
+    }
+
     /// How long it takes, s, before anything is proved.
     pub fn quickest(&self, rig: &Rig) -> Option<f64> {
         let is_sensible = (0..=INTERVALS).all(|k| rig.can_be_at(&self.pose(place(k))));

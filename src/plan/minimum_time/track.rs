@@ -61,6 +61,11 @@ impl Track {
         Self { sections: [section].into_iter().collect() }
     }
 
+    /// Whether a run can have left this.
+    pub(super) fn is_sound(&self) -> bool {
+        !self.sections.is_empty() && self.sections.iter().all(Section::is_sound)
+    }
+
     /// In order of s.
     pub fn sections(&self) -> &[Section] {
         &self.sections

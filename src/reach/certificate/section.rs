@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::taylor::Taylor;
+use crate::robot::memory::are_finite;
 use crate::robot::{Coordinates, Pose};
 
 /// q(s) = c₀ + c₁ σ + c₂ σ² + c₃ σ³ with σ = s - `begin`, m and rad.
@@ -18,6 +19,11 @@ impl Section {
     /// From a pose straight on, at s = 0; `way` for each unit of s.
     pub fn straight(from: &Pose, way: &Coordinates) -> Self {
         Self { begin: 0.0, coefficients: [from.0, *way, Coordinates::zeros(), Coordinates::zeros()] }
+    }
+
+    /// Whether it is one of numbers.
+    pub fn is_sound(&self) -> bool {
+        self.begin.is_finite() && self.coefficients.iter().all(are_finite)
     }
 
     /// q.

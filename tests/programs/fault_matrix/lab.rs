@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -19,10 +19,12 @@ use crate::table::count;
 /// platform, and the planner waits at each set point until it is level again.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+const PACKED: &str = "target/fmu/fmi3/CableRobotController.fmu";
+
 /// What is different from the example's fieldbus file.
 pub struct Setup {
     /// The controller; the packed one if there is none.
-    pub fmu: Option<PathBuf>,
+    pub fmu: Option<String>,
     /// Files of the recording that are full disks.
     pub full: &'static [&'static str],
     /// What goes wrong from the start, for `rig-sim`.
@@ -54,7 +56,7 @@ impl Lab {
     pub fn start(setup: &Setup) -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(text)?;
         let (rig_file, script) = (folder.path().join("rig.toml"), folder.path().join("script"));
-        std::fs::write(&rig_file, rig_text(setup)?).map_err(text)?;
+        std::fs::write(&rig_file, rig_text()?).map_err(text)?;
         std::fs::write(&script, setup.script).map_err(text)?;
         let mut rig = Command::new(env!("CARGO_BIN_EXE_rig-sim"))
             .args([&rig_file, Path::new("--script"), &script])
@@ -74,6 +76,7 @@ impl Lab {
             .arg(&rig_file)
             .args(["--bus", &address, "--status", "-", "--record"])
             .arg(&record)
+            .args(["--controller", setup.fmu.as_deref().unwrap_or(PACKED)])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -238,7 +241,7 @@ impl Drop for Lab {
 }
 
 /// The example, with times that a busy machine can keep and a quick start.
-fn rig_text(setup: &Setup) -> Result<String, String> {
+fn rig_text() -> Result<String, String> {
     let mut rig = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml"))
         .map_err(text)?;
     for (from, to) in [
@@ -254,9 +257,6 @@ fn rig_text(setup: &Setup) -> Result<String, String> {
     }
     let lab = concat!("rig = \"", env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml\"");
     rig = rig.replacen("rig = \"lab.toml\"", lab, 1);
-    if let Some(fmu) = &setup.fmu {
-        rig = rig.replace("target/fmu/fmi3/CableRobotController.fmu", &fmu.display().to_string());
-    }
     Ok(rig)
 }
 

@@ -53,8 +53,6 @@ fn boot() -> Outcomes {
     let folder = tempfile::tempdir().map_err(|error| text(&error))?;
     let rig = folder.path().join("rig.toml");
     std::fs::write(&rig, rig_text()?).map_err(|error| text(&error))?;
-    let fmu =
-        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/fmu/fmi3/CableRobotController.fmu"));
     let machine = Machine {
         programs: vec![
             (env!("CARGO_BIN_EXE_can-bridge").into(), "can-bridge"),
@@ -63,7 +61,6 @@ fn boot() -> Outcomes {
         files: vec![
             (rig, "/rig.toml"),
             (concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/lab.toml").into(), "/lab.toml"),
-            (fmu, "/CableRobotController.fmu"),
             (PathBuf::from(SCRIPTS).join("lab.inc"), "/lab"),
         ],
         scenarios: scripts
@@ -84,7 +81,6 @@ fn rig_text() -> Result<String, String> {
         ("drive_watchdog = 0.1 ", "drive_watchdog = 2.0 "),
         ("service = 0.5 ", "service = 5.0 "),
         ("ramp = 2.0 ", "ramp = 0.5 "),
-        ("target/fmu/fmi3/CableRobotController.fmu", "/CableRobotController.fmu"),
     ] {
         ensure(rig.contains(from), || format!("the example no longer says {from:?}"))?;
         rig = rig.replacen(from, to, 1);

@@ -148,7 +148,7 @@ fn controller_fails(name: &str, how: &str, said: &str) -> Result<Row, String> {
     let folder = tempfile::tempdir().map_err(text)?;
     let flag = folder.path().join("fails");
     let fmu = failing_fmu(folder.path(), &flag, how)?;
-    let lab = Lab::moving(&Setup { fmu: Some(fmu), ..USUAL })?;
+    let lab = Lab::moving(&Setup { fmu: Some(fmu.display().to_string()), ..USUAL })?;
     ends(name, lab, |_| std::fs::write(&flag, "").map_err(text), said, 5)
 }
 

@@ -1,6 +1,8 @@
 //! The C functions, called as an importer calls them: in order, out of order, and with everything wrong.
 #![allow(unsafe_code, non_snake_case, reason = "this is the importer's side of a C interface")]
 
+#[cfg(target_arch = "x86_64")]
+mod environment;
 mod exchange;
 mod lifecycle;
 mod messages;

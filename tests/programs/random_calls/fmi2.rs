@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use cable_robot_bindings::fmi2::*;
 
-use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, packed};
+use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed};
 
 /// Stands for the standard's variadic function: the FMUs send one preformatted text and nothing after it.
 type PlainLogger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_char, *const c_char);
@@ -17,15 +17,29 @@ unsafe extern "C" fn log(_: *mut c_void, _: *const c_char, _: u32, _: *const c_c
 
 #[test]
 fn controller() {
-    run(&packed(2, "CableRobotController"));
+    run(&packed(2, "CableRobotController"), 0, SEQUENCES);
 }
 
 #[test]
 fn plant() {
-    run(&packed(2, "CableRobotPlant"));
+    run(&packed(2, "CableRobotPlant"), 0, SEQUENCES);
 }
 
-fn run(packed: &Packed) {
+#[test]
+#[ignore = "25 million sequences"]
+fn night_of_controllers() {
+    let (seed, sequences) = night(25_000_000);
+    run(&packed(2, "CableRobotController"), seed, sequences);
+}
+
+#[test]
+#[ignore = "25 million sequences"]
+fn night_of_plants() {
+    let (seed, sequences) = night(25_000_000);
+    run(&packed(2, "CableRobotPlant"), seed, sequences);
+}
+
+fn run(packed: &Packed, seed: u64, sequences: u64) {
     let library = unsafe { Fmi2Library::new(&packed.library) }.unwrap();
     // SAFETY: additional variadic arguments are never sent, and the calling convention passes the first five alike.
     let logger = unsafe { std::mem::transmute::<PlainLogger, fmi2CallbackLogger>(log) };
@@ -37,8 +51,8 @@ fn run(packed: &Packed) {
         componentEnvironment: null_mut(),
     };
     let token = CString::new(packed.token.as_str()).unwrap();
-    for seed in 0..SEQUENCES {
-        let mut dice = Dice::new(seed, &packed.references);
+    for k in 0..sequences {
+        let mut dice = Dice::new(seed, k, &packed.references);
         unsafe { sequence(&library, &callbacks, &token, &mut dice) };
     }
 }

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use cable_robot_bindings::fmi3::*;
 
-use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, packed};
+use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed};
 
 unsafe extern "C" fn log(_: *mut c_void, _: u32, _: *const c_char, message: *const c_char) {
     assert!(!message.is_null());
@@ -14,19 +14,33 @@ unsafe extern "C" fn log(_: *mut c_void, _: u32, _: *const c_char, message: *con
 
 #[test]
 fn controller() {
-    run(&packed(3, "CableRobotController"));
+    run(&packed(3, "CableRobotController"), 0, SEQUENCES);
 }
 
 #[test]
 fn plant() {
-    run(&packed(3, "CableRobotPlant"));
+    run(&packed(3, "CableRobotPlant"), 0, SEQUENCES);
 }
 
-fn run(packed: &Packed) {
+#[test]
+#[ignore = "25 million sequences"]
+fn night_of_controllers() {
+    let (seed, sequences) = night(25_000_000);
+    run(&packed(3, "CableRobotController"), seed, sequences);
+}
+
+#[test]
+#[ignore = "25 million sequences"]
+fn night_of_plants() {
+    let (seed, sequences) = night(25_000_000);
+    run(&packed(3, "CableRobotPlant"), seed, sequences);
+}
+
+fn run(packed: &Packed, seed: u64, sequences: u64) {
     let library = unsafe { Fmi3Library::new(&packed.library) }.unwrap();
     let token = CString::new(packed.token.as_str()).unwrap();
-    for seed in 0..SEQUENCES {
-        let mut dice = Dice::new(seed, &packed.references);
+    for k in 0..sequences {
+        let mut dice = Dice::new(seed, k, &packed.references);
         unsafe { sequence(&library, &token, &mut dice) };
     }
 }

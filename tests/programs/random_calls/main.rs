@@ -1,4 +1,4 @@
-//! 100,000 seeded random sequences of calls against the packed library, right and wrong ones mixed: NULL pointers, unknown value
+//! 100,000 seeded random sequences of calls against the packed library, and more by night (docs/fuzzing.md), right and wrong ones mixed: NULL pointers, unknown value
 //! references, NaN, steps of no length, garbage for states, every order of calls. The host must live, every refusal must come with a
 //! message, and after a reset each instance must initialise and step as if nothing had been.
 //!
@@ -7,6 +7,8 @@
 
 mod fmi2;
 mod fmi3;
+#[cfg(target_os = "linux")]
+mod mutated;
 
 use std::cell::Cell;
 use std::io::Read;
@@ -35,6 +37,7 @@ struct Packed {
     library: tempfile::TempPath,
     token: String,
     references: Vec<u32>,
+    description: ModelDescription,
 }
 
 fn packed(version: u8, model: &str) -> Packed {
@@ -55,7 +58,20 @@ fn packed(version: u8, model: &str) -> Packed {
         library: library.into_temp_path(),
         token: description.token.clone(),
         references: description.variables.iter().map(|variable| variable.reference).collect(),
+        description,
     }
+}
+
+/// The random numbers of one case: others for each, and for each of another seed.
+fn random_of(seed: u64, case: u64) -> Pcg64 {
+    let key: u64 = Pcg64::seed_from_u64(seed).random();
+    Pcg64::seed_from_u64(key ^ case)
+}
+
+/// For the tests that are asked for by name: the seed and the number of cases in `SEED` and `CASES`, or 2 and so many.
+fn night(cases: u64) -> (u64, u64) {
+    let number = |name: &str| std::env::var(name).ok().map(|text| text.parse().unwrap());
+    (number("SEED").unwrap_or(2), number("CASES").unwrap_or(cases))
 }
 
 /// Where the randomness of one sequence comes from.
@@ -65,8 +81,8 @@ struct Dice<'a> {
 }
 
 impl<'a> Dice<'a> {
-    fn new(seed: u64, references: &'a [u32]) -> Self {
-        Self { rng: Pcg64::seed_from_u64(seed), references }
+    fn new(seed: u64, sequence: u64, references: &'a [u32]) -> Self {
+        Self { rng: random_of(seed, sequence), references }
     }
 
     fn below(&mut self, n: usize) -> usize {

@@ -34,6 +34,7 @@ struct File {
     slack: SlackEntry,
     limits: LimitEntry,
     safe: SafeEntry,
+    #[serde(default)]
     controller: ControllerEntry,
     #[serde(default)]
     drive_objects: Vec<ObjectEntry>,
@@ -97,10 +98,11 @@ struct SafeEntry {
     damping: Spanned<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ControllerEntry {
-    fmu: String,
+    #[serde(default)]
+    fmu: Option<String>,
     #[serde(default)]
     parameters: BTreeMap<String, Spanned<Parameter>>,
 }

@@ -206,8 +206,8 @@ pub enum SafeOutput {
 /// Who computes the tensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControllerConfig {
-    /// Path of the packed controller.
-    pub fmu: String,
+    /// The controller that a file of earlier versions names: nothing is loaded for that.
+    pub fmu: Option<String>,
     /// Gains of the rig file, 1/s: those of the controller, unless `parameters` say others.
     pub lambda: f64,
     /// See `lambda`.

@@ -1,7 +1,8 @@
 //! The C functions of both standards: they turn pointers into slices, call [`Instance`], and turn errors into statuses.
 //!
 //! This is the only place of the library with `unsafe`. Every function goes through `call` (or `instantiate`), so
-//! that the order of calls is checked, errors are reported and no panic reaches C, all in one place. Pointers are
+//! that the order of calls is checked, errors are reported, no panic reaches C and the host's floating-point environment stays
+//! its own, all in one place. Pointers are
 //! checked as far as a library can: NULL, alignment and length; that they point to what the standard says they point
 //! to is the importer's promise, and what each SAFETY comment rests on.
 #![allow(unsafe_code)]
@@ -23,8 +24,10 @@ mod states;
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+
+use cable_robot_boundary::floating_point::in_default_environment;
+use cable_robot_boundary::panics::caught;
 
 use super::error::{FmiError, Status};
 use super::instance::Instance;
@@ -43,6 +46,23 @@ type StatusCode = std::ffi::c_uint;
 /// # Safety
 /// `token` is NULL or a C string.
 unsafe fn instantiate(
+    function: &'static Function,
+    log: Log,
+    asked_for: Result<(Use, bool), FmiError>,
+    token: *const c_char,
+    resources: Option<PathBuf>,
+) -> *mut c_void {
+    in_default_environment(|| {
+        // SAFETY: the caller's promise.
+        unsafe { instantiate_here(function, log, asked_for, token, resources) }
+    })
+}
+
+/// [`instantiate`], whatever the environment.
+///
+/// # Safety
+/// As there.
+unsafe fn instantiate_here(
     function: &'static Function,
     log: Log,
     asked_for: Result<(Use, bool), FmiError>,
@@ -109,16 +129,18 @@ unsafe fn call(
     let Some(instance) = (unsafe { instance.cast::<Instance>().as_mut() }) else {
         return Status::Error as StatusCode; // There is no logger to tell.
     };
-    let outcome = catch(function, || {
-        function.check(instance.state(), instance.usage())?;
-        body(instance)
-    });
-    let Err(error) = outcome else { return Status::Ok as StatusCode };
-    instance.log.send(error.status(), error.category(), &error.to_string());
-    if error.status() == Status::Error {
-        instance.fail();
-    }
-    error.status() as StatusCode
+    in_default_environment(|| {
+        let outcome = catch(function, || {
+            function.check(instance.state(), instance.usage())?;
+            body(instance)
+        });
+        let Err(error) = outcome else { return Status::Ok as StatusCode };
+        instance.log.send(error.status(), error.category(), &error.to_string());
+        if error.status() == Status::Error {
+            instance.fail();
+        }
+        error.status() as StatusCode
+    })
 }
 
 /// A function of the standard that this FMU does not support.
@@ -130,13 +152,9 @@ unsafe fn refuse(instance: *mut c_void, function: &'static Function) -> StatusCo
     unsafe { call(instance, function, |_| Ok(())) }
 }
 
-/// The one place where a panic ends: unwinding into C would abort the host.
+/// The one place where a panic ends.
 fn catch<T>(function: &'static Function, body: impl FnOnce() -> Result<T, FmiError>) -> Result<T, FmiError> {
-    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let message = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown").to_owned();
-        Err(FmiError::Panic { function: function.name, message })
-    })
+    caught(body).unwrap_or_else(|message| Err(FmiError::Panic { function: function.name, message }))
 }
 
 /// The getters of both versions.

@@ -26,6 +26,7 @@ pub const VERSIONS: [Version; 2] = [Version::Fmi2, Version::Fmi3];
 const MIT: &str = include_str!("../../../../modelDescription/licenses/MIT.txt");
 const APACHE: &str = include_str!("../../../../modelDescription/licenses/Apache-2.0.txt");
 const LICENSE: &str = include_str!("../../../../modelDescription/licenses/license.txt");
+const THIRD_PARTY: &str = include_str!("../../../../modelDescription/licenses/THIRD-PARTY.txt");
 const ICON: &[u8] = include_bytes!("../../../../modelDescription/icon.png");
 const ICON_DRAWING: &str = include_str!("../../../../modelDescription/icon.svg");
 
@@ -71,6 +72,7 @@ pub fn shipped_files(interface: &Interface, version: Version) -> Vec<(String, Ve
         ("documentation/licenses/license.txt", LICENSE.into()),
         ("documentation/licenses/MIT.txt", MIT.into()),
         ("documentation/licenses/Apache-2.0.txt", APACHE.into()),
+        ("documentation/licenses/THIRD-PARTY.txt", THIRD_PARTY.into()),
     ];
     match version {
         Version::Fmi2 => files.push(("model.png", ICON.into())),

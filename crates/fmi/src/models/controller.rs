@@ -119,6 +119,14 @@ pub fn tuning(interface: &Interface, values: &Values) -> Tuning {
     }
 }
 
+/// Whether a controller that was saved at `time` (s) runs with the parameters in `values`, and its clock ticks or does not.
+pub fn is_of(interface: &Interface, values: &Values, controller: &Controller, time: f64) -> bool {
+    let ticks = interface
+        .scalar(PLANNER_TICK.first)
+        .is_none_or(|_| [0.0, 1.0].contains(&values.scalar(&PLANNER_TICK)));
+    ticks && controller.is_of(&controller_parameters(interface, values)) && controller.holds_until() == time
+}
+
 fn common_limits(values: &Values) -> TensionLimits {
     // -0 is 0
     TensionLimits { min: values.scalar(&MIN_TENSION) + 0.0, max: values.scalar(&MAX_TENSION) }

@@ -58,6 +58,21 @@ impl Scalar {
     pub fn name(&self) -> String {
         self.row.scalar_name(self.position)
     }
+
+    /// Numbers are finite always, integers whole, Booleans 0 or 1 (where reals stand for them); enumerations have an item for them. Ranges of parameters are
+    /// checked by the model when initialisation ends, since they may be set in any order.
+    ///
+    /// # Errors
+    /// [`FmiError::BadValue`] with what would be right.
+    pub fn check(&self, value: f64) -> Result<(), FmiError> {
+        match self.row.kind {
+            Kind::Enumeration(kind) if kind.has(value) => Ok(()),
+            Kind::Float64 if value.is_finite() => Ok(()),
+            Kind::Int32 if f64::from(value as i32) == value => Ok(()),
+            Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
+            _ => Err(FmiError::bad_value(self, value)),
+        }
+    }
 }
 
 impl Interface {

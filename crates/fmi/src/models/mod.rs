@@ -103,15 +103,6 @@ impl Model {
 }
 
 impl Running {
-    /// Which model this is.
-    pub fn model(&self) -> Model {
-        match self {
-            Running::Controller(_) => Model::Controller,
-            Running::Plant(_) => Model::Plant,
-            Running::PlantExchange(_) => Model::PlantExchange,
-        }
-    }
-
     /// Goes from `time` to `time + h` with the inputs in `values` held. The controller samples them at `time`.
     ///
     /// # Errors
@@ -136,6 +127,37 @@ impl Running {
             Running::PlantExchange(_) => {}
         }
         Ok(())
+    }
+
+    /// Whether a run with these values can have come to this at `time` (s): before a saved one is taken up.
+    ///
+    /// # Errors
+    /// [`FmiError::Memory`] for the first part that makes no sense.
+    pub fn check(&self, interface: &Interface, values: &Values, time: f64) -> Result<(), FmiError> {
+        let is_of_these = match self {
+            Running::Controller(controller) => {
+                controller.check()?;
+                interface.model() == Model::Controller
+                    && controller::is_of(interface, values, controller, time)
+            }
+            Running::Plant(plant) => {
+                plant.check()?;
+                interface.model() == Model::Plant
+                    && *plant.parameters() == plant::plant_parameters(interface, values)
+            }
+            Running::PlantExchange(plant) => {
+                plant.check()?;
+                interface.model() == Model::PlantExchange
+                    && *plant.parameters() == plant::plant_parameters(interface, values)
+            }
+        };
+        let mut written = values.clone();
+        self.write_outputs(&mut written);
+        // What an integrator is shown is calculated when it asks.
+        if is_of_these && (interface.model() == Model::PlantExchange || written.are(values)) {
+            return Ok(());
+        }
+        Err(FmiError::State("its values are not those of its memory".to_owned()))
     }
 
     /// The controller's fault, if it has one.
