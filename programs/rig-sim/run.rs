@@ -14,6 +14,7 @@ use cable_robot_fieldbus::simulated::mishap::GRAMMAR;
 use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedDrive, SimulatedRig, Support};
 use cable_robot_fieldbus::transport::now;
 use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
+use cable_robot_programs::plain::plain;
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
@@ -145,7 +146,7 @@ impl Lab {
         let mut ports = vec![];
         for (bus, address) in config.buses.iter().zip(addresses(&config, &arguments.buses)?) {
             let (port, told) = Port::open(bus, &address)?;
-            println!("{}={told}", bus.name);
+            println!("{}={told}", plain(&bus.name));
             ports.push(port);
         }
         let rig = SimulatedRig::new(config, imperfections)?;
@@ -170,7 +171,7 @@ impl Lab {
     fn listen(&mut self, spoken: &Receiver<String>) {
         for line in spoken.try_iter() {
             if let Err(error) = self.script.add(&line) {
-                eprintln!("{error}");
+                eprintln!("{}", plain(&error.to_string()));
             }
         }
     }
