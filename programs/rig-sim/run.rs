@@ -15,6 +15,7 @@ use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedDrive, Simu
 use cable_robot_fieldbus::transport::now;
 use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
 use cable_robot_programs::plain::plain;
+use cable_robot_report::files::read_text;
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
@@ -66,8 +67,7 @@ pub fn main() -> Result<()> {
     let config = Files::read(&arguments.fieldbus)?.config;
     let mut script = Script::new(config.rig.cables.len());
     if let Some(path) = &arguments.script {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
         for (number, line) in (1..).zip(text.lines()) {
             script.add(line).with_context(|| format!("{}, line {number}", path.display()))?;
         }
