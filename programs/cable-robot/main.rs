@@ -152,8 +152,9 @@ fn main() -> ExitCode {
 fn lost(error: &anyhow::Error) -> Option<&Lost> {
     error.chain().find_map(|cause| {
         let stopped = cause.downcast_ref::<SimulationError>();
-        match stopped.map_or_else(|| cause.downcast_ref(), |stopped| stopped.cause.downcast_ref())? {
-            CosimError::Lost { how, .. } => Some(how),
+        let inner = stopped.map_or_else(|| cause.downcast_ref(), |stopped| stopped.cause.downcast_ref());
+        match inner {
+            Some(CosimError::Lost { how, .. }) => Some(how),
             _ => None,
         }
     })

@@ -165,7 +165,7 @@ impl FmuModel {
     /// Sets the inputs.
     fn give(&mut self) -> Result<(), ModelError> {
         let Group { references, variables, values } = &mut self.inputs;
-        for ((value, reference), variable) in values.iter_mut().zip(references).zip(&*variables) {
+        for ((value, reference), variable) in values.iter_mut().zip(&*references).zip(&*variables) {
             *value = typed(variable.kind, self.values.at(*reference));
         }
         Ok(self.instance.set_all(variables, values)?)
@@ -175,7 +175,7 @@ impl FmuModel {
     fn take(&mut self) -> Result<(), ModelError> {
         let Group { references, variables, values } = &mut self.outputs;
         self.instance.get_all(variables, values)?;
-        for (reference, value) in references.iter().zip(values) {
+        for (reference, value) in references.iter().zip(&*values) {
             self.values.put(*reference, value.as_f64());
         }
         Ok(())

@@ -245,9 +245,7 @@ impl Link {
                 Ok(count) => self.inbox.extend_from_slice(&chunk[..count]),
                 Err(error) => self.wait_on(begun, &error)?,
             }
-            if begun.elapsed() > self.worker.limit {
-                return Err(self.end(Lost::Silent(self.worker.limit)));
-            }
+            self.go_on(begun)?;
         }
     }
 
@@ -260,16 +258,23 @@ impl Link {
 
     /// Nothing could be sent or read just now: whether to go on.
     fn wait_on(&mut self, begun: Instant, error: &io::Error) -> Result<(), Lost> {
-        match error.kind() {
-            ErrorKind::WouldBlock | ErrorKind::TimedOut if begun.elapsed() > self.worker.limit => {
-                Err(self.end(Lost::Silent(self.worker.limit)))
-            }
-            ErrorKind::WouldBlock | ErrorKind::TimedOut if (self.worker.stop)() => {
-                Err(self.end(Lost::Stopped))
-            }
-            ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => Ok(()),
-            _ => Err(self.ended()),
+        if !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) {
+            return Err(self.ended());
         }
+        // A process that it has started may hold the socket open.
+        if let Ok(Some(status)) = self.child.try_wait() {
+            return Err(Lost::Ended(status));
+        }
+        self.go_on(begun)
+    }
+
+    /// Whether a call that has lasted so long may go on.
+    fn go_on(&mut self, begun: Instant) -> Result<(), Lost> {
+        let lasted = begun.elapsed();
+        if lasted > self.worker.limit {
+            return Err(self.end(Lost::Silent(self.worker.limit)));
+        }
+        if lasted > PATIENCE && (self.worker.stop)() { Err(self.end(Lost::Stopped)) } else { Ok(()) }
     }
 
     /// Kills the process.

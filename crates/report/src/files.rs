@@ -175,7 +175,6 @@ fn beside(place: &Path) -> io::Result<NamedTempFile> {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask, as any file
     }
     let file = builder.tempfile_in(folder_of(place))?;
-    #[cfg(unix)]
     if let Some(there) = there {
         file.as_file().set_permissions(there.permissions())?;
     }
