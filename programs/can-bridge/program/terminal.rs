@@ -6,6 +6,7 @@ use std::io::Write;
 use std::sync::OnceLock;
 
 use anyhow::Result;
+use cable_robot_programs::plain::plain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::outlet::Outlet;
