@@ -1,6 +1,5 @@
 /* An FMU of FMI 2.0 with twelve numbers and a whole one, and what a test wants it to do in its calls. As a plant it stands at (0, 0, 1); as a
    controller it pulls every cable alike. */
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
