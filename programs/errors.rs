@@ -3,6 +3,8 @@
 use anyhow::Error;
 use strsim::jaro_winkler;
 
+use super::plain::plain;
+
 /// Longest line of an error, characters.
 const LONGEST_LINE: usize = 500;
 /// Names at least so similar (0 to 1) are worth a question.
@@ -12,7 +14,7 @@ const SIMILAR: f64 = 0.8;
 pub fn in_words(program: &str, error: &Error) -> String {
     let text = format!("{error:#}");
     let question = misspelt(&text).map_or(String::new(), |name| format!("; did you mean {name}?"));
-    format!("{program}: {}{question}", with_short_lines(&text))
+    plain(&format!("{program}: {}{question}", with_short_lines(&text))).into_owned()
 }
 
 /// The known name that is most like `given`, if one is like it at all.

@@ -1,3 +1,4 @@
 //! What the programs have in common.
 
 pub mod errors;
+pub mod plain;

@@ -24,14 +24,21 @@ use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use anyhow::Context;
+use cable_robot::sim::SimulationError;
+use cable_robot_import::{CosimError, Lost};
 use cable_robot_programs::errors;
+use cable_robot_programs::plain::plain;
 use clap::{Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
 Frame: that of the rig file; the paper's rig has its origin at the centre of the base plane, z down. Metres, radians, newtons;
 orientations are R = Rz(yaw) Ry(pitch) Rx(roll).
 Results go to stdout, messages to stderr. Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable, step or orbit \
-not proved or workspace empty, 4 a cable went slack, 130 interrupted.";
+not proved or workspace empty, 4 a cable went slack, 5 an FMU crashed or ended its process, 6 an FMU did not return, 130 interrupted.";
+
+/// The subcommand that is a process for an FMU.
+#[cfg(unix)]
+const FMU_WORKER: &str = "fmu-worker";
 
 /// Exit code after Ctrl-C, as shells have it.
 const INTERRUPTED: u8 = 130;
@@ -85,6 +92,10 @@ enum Task {
     /// Studies that back what is claimed about the reachable domains
     #[command(subcommand)]
     Study(study::Study),
+    /// Runs an FMU for the process that starts this one
+    #[cfg(unix)]
+    #[command(name = FMU_WORKER, hide = true)]
+    FmuWorker,
     /// Completions for a shell, to stdout
     #[command(after_help = completions::EXAMPLE)]
     Completions(completions::Completions),
@@ -114,6 +125,10 @@ fn main() -> ExitCode {
         Task::Figure(task) => task.run(),
         Task::Schema(task) => task.run(),
         Task::Study(task) => task.run(),
+        #[cfg(unix)]
+        Task::FmuWorker => {
+            cable_robot_import::serve().map(|()| Outcome::Done).with_context(|| FMU_WORKER.to_owned())
+        }
         Task::Completions(task) => task.run(),
     };
     match result {
@@ -124,9 +139,25 @@ fn main() -> ExitCode {
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             say(errors::in_words("cable-robot", &error));
-            ExitCode::FAILURE
+            ExitCode::from(match lost(&error) {
+                Some(Lost::Silent(_)) => 6,
+                Some(Lost::Ended(_) | Lost::Garbled) => 5,
+                _ => 1,
+            })
         }
     }
+}
+
+/// How the process of an FMU was lost, if that is the error.
+fn lost(error: &anyhow::Error) -> Option<&Lost> {
+    error.chain().find_map(|cause| {
+        let stopped = cause.downcast_ref::<SimulationError>();
+        let inner = stopped.map_or_else(|| cause.downcast_ref(), |stopped| stopped.cause.downcast_ref());
+        match inner {
+            Some(CosimError::Lost { how, .. }) => Some(how),
+            _ => None,
+        }
+    })
 }
 
 /// Whoever reads has seen enough.
@@ -142,12 +173,12 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 
 /// A line for whoever reads stderr, if anybody still does.
 fn say(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", plain(&text.to_string()));
 }
 
 /// Writes a result to stdout. That nobody reads it to the end changes nothing of what the exit code says.
 fn print(text: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{}", text.trim_end()) {
+    match writeln!(std::io::stdout(), "{}", plain(text.trim_end())) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write to stdout"),
     }

@@ -1,11 +1,12 @@
 //! `cable-robot modelica`: the plant of a rig in plain Modelica, with its n cables.
 
 use std::fmt::Write;
-use std::fs;
+use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use cable_robot::robot::{Cable, Pose, Rig};
+use cable_robot_report::files::write_whole;
 use clap::{Args, ValueHint};
 use nalgebra::Vector3;
 
@@ -44,9 +45,7 @@ impl Modelica {
         }
         let text = plant(&self.name, &file.rig, &file.home);
         match &self.output {
-            Some(path) => {
-                fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?
-            }
+            Some(path) => write_whole(path, |file| file.write_all(text.as_bytes()))?,
             None => print(text.trim_end())?,
         }
         Ok(Outcome::Done)

@@ -14,6 +14,8 @@ use cable_robot_fieldbus::simulated::mishap::GRAMMAR;
 use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedDrive, SimulatedRig, Support};
 use cable_robot_fieldbus::transport::now;
 use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
+use cable_robot_programs::plain::plain;
+use cable_robot_report::files::read_text;
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
@@ -66,8 +68,7 @@ pub fn main() -> Result<()> {
     let config = Files::read(&arguments.fieldbus)?.config;
     let mut script = Script::new(config.rig.cables.len());
     if let Some(path) = &arguments.script {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
         for (number, line) in (1..).zip(text.lines()) {
             script.add(line).with_context(|| format!("{}, line {number}", path.display()))?;
         }
@@ -146,7 +147,7 @@ impl Lab {
         let mut ports = vec![];
         for (bus, address) in config.buses.iter().zip(addresses(&config, &arguments.buses)?) {
             let (port, told) = Port::open(bus, &address)?;
-            println!("{}={told}", bus.name);
+            println!("{}={told}", plain(&bus.name));
             ports.push(port);
         }
         let rig = SimulatedRig::new(config, imperfections)?;
@@ -171,7 +172,7 @@ impl Lab {
     fn listen(&mut self, spoken: &Receiver<String>) {
         for line in spoken.try_iter() {
             if let Err(error) = self.script.add(&line) {
-                eprintln!("{error}");
+                eprintln!("{}", plain(&error.to_string()));
             }
         }
     }

@@ -19,10 +19,26 @@ pub struct FmuModel {
     path: PathBuf,
     instance: Instance,
     interface: Interface,
-    inputs: Vec<(u32, Variable)>,
-    outputs: Vec<(u32, Variable)>,
+    inputs: Group,
+    outputs: Group,
     values: Values,
     phase: Phase,
+}
+
+/// Variables that are moved together, and room for their values.
+struct Group {
+    /// Of ours.
+    references: Vec<u32>,
+    variables: Vec<Variable>,
+    values: Vec<Value>,
+}
+
+impl Group {
+    fn new(shared: Vec<(u32, Variable)>) -> Self {
+        let (references, variables): (Vec<_>, Vec<_>) = shared.into_iter().unzip();
+        let values = vec![Value::Bool(false); variables.len()];
+        Self { references, variables, values }
+    }
 }
 
 #[derive(PartialEq)]
@@ -33,7 +49,8 @@ enum Phase {
 }
 
 impl FmuModel {
-    /// Opens the file, for this rig. Which of the two models it stands for its variables tell; what it has to say goes to `log`.
+    /// Opens the file, for this rig, and loads it into this process. Which of the two models it stands for its variables tell; what it has to
+    /// say goes to `log`.
     ///
     /// # Errors
     /// A file that is no FMU for this machine, is neither model, or has another number of cables than the rig.
@@ -41,7 +58,7 @@ impl FmuModel {
         Self::of(&Fmu::open(path)?, path, rig, log)
     }
 
-    /// The same of a file that is open already.
+    /// The same of a file that is open already, in this process or apart.
     ///
     /// # Errors
     /// As [`FmuModel::open`].
@@ -62,8 +79,8 @@ impl FmuModel {
         let instance = fmu.instantiate(name, log)?;
         let interface = interface(model, fmu, rig);
         let values = interface.start().clone();
-        let inputs = shared(&instance, &interface, Role::Input)?;
-        let outputs = shared(&instance, &interface, Role::Output)?;
+        let inputs = Group::new(shared(&instance, &interface, Role::Input)?);
+        let outputs = Group::new(shared(&instance, &interface, Role::Output)?);
         let path = path.to_owned();
         Ok(Self { path, instance, interface, inputs, outputs, values, phase: Phase::Instantiated })
     }
@@ -109,7 +126,7 @@ impl FmuModel {
 
     /// Columns of a run that it cannot fill.
     pub fn lacking(&self) -> Vec<String> {
-        let own = |reference: u32| self.outputs.iter().any(|(known, _)| *known == reference);
+        let own = |reference: u32| self.outputs.references.contains(&reference);
         let missing = scalars(&self.interface, Role::Output).filter(|(_, reference)| !own(*reference));
         missing.map(|(name, _)| column(self.model(), &name)).collect()
     }
@@ -146,17 +163,20 @@ impl FmuModel {
     }
 
     /// Sets the inputs.
-    fn give(&self) -> Result<(), ModelError> {
-        for (reference, variable) in &self.inputs {
-            self.instance.set(variable, typed(variable.kind, self.values.at(*reference)))?;
+    fn give(&mut self) -> Result<(), ModelError> {
+        let Group { references, variables, values } = &mut self.inputs;
+        for ((value, reference), variable) in values.iter_mut().zip(&*references).zip(&*variables) {
+            *value = typed(variable.kind, self.values.at(*reference));
         }
-        Ok(())
+        Ok(self.instance.set_all(variables, values)?)
     }
 
     /// Reads the outputs.
     fn take(&mut self) -> Result<(), ModelError> {
-        for (reference, variable) in &self.outputs {
-            self.values.put(*reference, self.instance.get(variable)?.as_f64());
+        let Group { references, variables, values } = &mut self.outputs;
+        self.instance.get_all(variables, values)?;
+        for (reference, value) in references.iter().zip(&*values) {
+            self.values.put(*reference, value.as_f64());
         }
         Ok(())
     }

@@ -40,7 +40,9 @@ pub fn write(path: &Path, files: &Files) -> io::Result<()> {
         .unix_permissions(0o644);
     // Packed beside and renamed, so that nobody loads half a file.
     let unfinished = path.with_extension("unfinished");
-    let mut archive = ZipWriter::new(File::create(&unfinished)?);
+    // What a killed program left, or somebody else planted, is not written into.
+    let _ = fs::remove_file(&unfinished);
+    let mut archive = ZipWriter::new(File::create_new(&unfinished)?);
     for (name, bytes) in files {
         archive.start_file(name, options)?;
         archive.write_all(bytes)?;

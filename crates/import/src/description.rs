@@ -4,11 +4,13 @@ use std::fmt;
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use serde::{Deserialize, Serialize};
 
 use super::Value;
+use super::limits::{DEEPEST, MOST_VARIABLES};
 
 /// Version of the standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FmiVersion {
     /// FMI 2.0.x.
     V2,
@@ -17,7 +19,7 @@ pub enum FmiVersion {
 }
 
 /// Type of a variable, in the names of FMI 3; FMI 2's `Real` is `Float64`, its `Integer` is `Int32`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the standard's own names")]
 pub enum VariableType {
     Float64,
@@ -106,6 +108,12 @@ impl ModelDescription {
                 Event::Start(element) => {
                     found.element(path.last().map(String::as_str), &element)?;
                     path.push(element.name().as_ref().to_owned());
+                    if path.len() > DEEPEST {
+                        return Err(format!("more than {DEEPEST} elements inside one another"));
+                    }
+                    if found.variables.len() > MOST_VARIABLES {
+                        return Err(format!("more than {MOST_VARIABLES} variables, the most that are read"));
+                    }
                 }
                 Event::End(_) => drop(path.pop()),
                 Event::Eof => break,
@@ -177,7 +185,7 @@ impl Found {
     }
 
     fn co_simulation(&mut self, element: &BytesStart) -> Result<(), String> {
-        self.model_identifier = Some(required(element, "modelIdentifier")?);
+        self.model_identifier = Some(identifier(required(element, "modelIdentifier")?)?);
         let flag = |fmi2, fmi3| -> Result<bool, String> {
             let text = optional(element, fmi2)?.or(optional(element, fmi3)?);
             text.map_or(Ok(false), |text| boolean(fmi3, &text))
@@ -214,6 +222,14 @@ fn root(element: &BytesStart) -> Result<(FmiVersion, String, String), String> {
         _ => return Err(format!("fmiVersion is \"{text}\"; this importer reads 2.x and 3.x")),
     };
     Ok((version, required(element, "modelName")?, required(element, token)?))
+}
+
+/// A name of C, which no path can be.
+fn identifier(text: String) -> Result<String, String> {
+    let is_start = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let is_name = text.starts_with(is_start) && text.chars().all(|c| is_start(c) || c.is_ascii_digit());
+    let wanted = "must be letters, digits and _, no digit first: it names the binary";
+    if is_name { Ok(text) } else { Err(format!("modelIdentifier is {text:?}; it {wanted}")) }
 }
 
 /// A variable without its start value.

@@ -1,6 +1,10 @@
 //! What can go wrong between this program and an FMU.
 
+use std::borrow::Cow;
+use std::fmt;
 use std::path::PathBuf;
+use std::process::ExitStatus;
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -49,7 +53,7 @@ pub enum CosimError {
         /// Name of the instance.
         instance: String,
         /// Name of the C function.
-        function: &'static str,
+        function: Cow<'static, str>,
     },
     /// A C function did not succeed.
     #[error("{instance}: {action}: {function} gave {status}{}", quote(.said))]
@@ -59,7 +63,7 @@ pub enum CosimError {
         /// What was tried, with the variable and the value.
         action: String,
         /// Name of the C function.
-        function: &'static str,
+        function: Cow<'static, str>,
         /// What it returned.
         status: Status,
         /// What the FMU logged about it; empty if nothing.
@@ -71,6 +75,18 @@ pub enum CosimError {
         /// Name of the instance.
         instance: String,
         /// What the FMU logged about it; empty if nothing.
+        said: String,
+    },
+    /// The process in which the FMU ran is no more.
+    #[error("{instance}: {action}: {how}{}", quote(.said))]
+    Lost {
+        /// Name of the instance.
+        instance: String,
+        /// What was tried.
+        action: String,
+        /// What became of the process.
+        how: Lost,
+        /// What the FMU logged before; empty if nothing.
         said: String,
     },
     /// The FMU asks for the end of the simulation.
@@ -125,6 +141,40 @@ pub enum CosimError {
         /// The value given.
         value: Value,
     },
+}
+
+/// How the process of an FMU was lost.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Lost {
+    /// It could not be started, for this reason.
+    NotStarted(String),
+    /// It crashed, or the FMU ended it.
+    Ended(ExitStatus),
+    /// A call took longer than this.
+    Silent(Duration),
+    /// The caller wanted to stop while a call lasted.
+    Stopped,
+    /// What came was no answer, or was too long.
+    Garbled,
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotStarted(reason) => write!(f, "the FMU's process could not be started: {reason}"),
+            Self::Ended(status) if status.code().is_some() => {
+                write!(f, "the FMU ended its process by itself ({status})")
+            }
+            Self::Ended(status) => write!(f, "the FMU's process crashed ({status})"),
+            Self::Silent(limit) => {
+                write!(f, "the FMU did not return within {} s; its process was killed", limit.as_secs_f64())
+            }
+            Self::Stopped => {
+                write!(f, "the FMU had not returned when it was to stop; its process was killed")
+            }
+            Self::Garbled => write!(f, "the FMU's process sent no answer but something else"),
+        }
+    }
 }
 
 /// What the FMU said, as the end of a message.

@@ -79,7 +79,11 @@ impl Slave2 {
         function: &Result<F, libloading::Error>,
         name: &'static str,
     ) -> Result<F, Failure> {
-        if self.fatal.get() { Err(Failure::Status(name, Status::Fatal)) } else { present(function, name) }
+        if self.fatal.get() {
+            Err(Failure::Status(name.into(), Status::Fatal))
+        } else {
+            present(function, name)
+        }
     }
 
     fn read<T: Default>(

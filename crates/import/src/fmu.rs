@@ -1,56 +1,88 @@
-//! An FMU on disk: unpacked, described, its binary loaded.
+//! An FMU on disk: unpacked, described, its binary found.
 #![allow(unsafe_code)]
 
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
 use std::error::Error;
 use std::ffi::CString;
 use std::fs::{self, File};
-use std::path::Path;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
-
-use zip::ZipArchive;
 
 use super::fmi2::Slave2;
 use super::fmi3::Slave3;
 use super::folder::Folder;
+use super::limits::LONGEST_DESCRIPTION;
 use super::log::LogSink;
 use super::slave::{Failure, Slave};
+use super::unpack::unpack;
 use super::{CosimError, FmiVersion, Instance, LogCallback, ModelDescription};
+#[cfg(unix)]
+use super::{Worker, remote::Remote, wire::Start};
 use cable_robot_bindings::{fmi2::Fmi2Library, fmi3::Fmi3Library};
 
 /// A co-simulation FMU, ready to be instantiated as often as wanted; it can be shared between threads.
 #[derive(Clone)]
 pub struct Fmu {
+    /// Of the file.
+    name: String,
     description: Arc<ModelDescription>,
     // Dropped before the folder it was loaded from.
-    library: Library,
+    binary: Binary,
     folder: Arc<Folder>,
 }
 
 #[derive(Clone)]
-enum Library {
+enum Binary {
+    Here(Library),
+    /// Loaded by a process for each instance.
+    #[cfg(unix)]
+    Apart(Worker, PathBuf),
+}
+
+#[derive(Clone)]
+pub(super) enum Library {
     V2(Arc<Fmi2Library>),
     V3(Arc<Fmi3Library>),
 }
 
 impl Fmu {
     /// Unpacks the FMU into a temporary folder, which goes when the FMU and its instances are dropped, reads its
-    /// description and loads its binary.
+    /// description and loads its binary into this process: for FMUs that are trusted as this program is. One that crashes, hangs or calls
+    /// `exit` takes this program with it.
     ///
     /// # Errors
     /// [`CosimError`]: no zip archive, a description that is wrong, no binary for this machine, or one that cannot
     /// be loaded.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, CosimError> {
-        let path = path.as_ref();
-        let fmu = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Self::found(path.as_ref(), |fmu, version, file| {
+            let library = Library::load(version, &file);
+            let library = library.map_err(|reason| CosimError::Library { fmu: fmu.to_owned(), reason })?;
+            Ok(Binary::Here(library))
+        })
+    }
+
+    /// As [`open`](Self::open), but no code of the FMU runs in this process: each instance gets a process of its own, in which `worker` loads the
+    /// binary. A crash, a call of `exit` or one that does not return is [`CosimError::Lost`].
+    ///
+    /// # Errors
+    /// [`CosimError`], as of [`open`](Self::open); that the binary cannot be loaded [`instantiate`](Self::instantiate) says.
+    #[cfg(unix)]
+    pub fn open_apart(path: impl AsRef<Path>, worker: &Worker) -> Result<Self, CosimError> {
+        Self::found(path.as_ref(), |_, _, file| Ok(Binary::Apart(worker.clone(), file)))
+    }
+
+    fn found(
+        path: &Path,
+        binary: impl FnOnce(&str, FmiVersion, PathBuf) -> Result<Binary, CosimError>,
+    ) -> Result<Self, CosimError> {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let folder = unpack(path).map_err(|reason| CosimError::Archive { path: path.to_owned(), reason })?;
-        let description = fs::read_to_string(folder.path().join("modelDescription.xml"))
-            .map_err(|e| e.to_string())
-            .and_then(|xml| ModelDescription::parse(&xml))
-            .map_err(|problem| CosimError::Description { fmu: fmu.clone(), problem })?;
-        let library = load(fmu, folder.path(), &description)?;
-        Ok(Self { description: Arc::new(description), library, folder: Arc::new(folder) })
+        let description = describe(folder.path())
+            .map_err(|problem| CosimError::Description { fmu: name.clone(), problem })?;
+        let binary = binary(&name, description.version, find(&name, folder.path(), &description)?)?;
+        Ok(Self { name, description: Arc::new(description), binary, folder: Arc::new(folder) })
     }
 
     /// What the FMU says of itself.
@@ -62,11 +94,18 @@ impl Fmu {
     /// complains of also stands in the error that follows.
     ///
     /// # Errors
-    /// [`CosimError::Instantiation`] with the FMU's reason, [`CosimError::MissingFunction`].
+    /// [`CosimError::Instantiation`] with the FMU's reason, [`CosimError::MissingFunction`], [`CosimError::Lost`], [`CosimError::Library`].
     pub fn instantiate(&self, name: &str, log: LogCallback) -> Result<Instance, CosimError> {
         let log = Arc::new(LogSink::new(name, log));
         let failed = |failure| match failure {
             Failure::Missing(function) => CosimError::MissingFunction { instance: name.to_owned(), function },
+            Failure::Library(reason) => CosimError::Library { fmu: self.name.clone(), reason },
+            Failure::Lost(how) => CosimError::Lost {
+                instance: name.to_owned(),
+                action: "instantiating".to_owned(),
+                how,
+                said: log.take_complaints(),
+            },
             _ => CosimError::Instantiation { instance: name.to_owned(), said: log.take_complaints() },
         };
         let slave = self.slave(name, &log).map_err(failed)?;
@@ -74,57 +113,85 @@ impl Fmu {
     }
 
     fn slave(&self, name: &str, log: &Arc<LogSink>) -> Result<Rc<dyn Slave>, Failure> {
-        // No XML, path or name of a sane caller holds a zero byte.
-        let text = |text: &str| CString::new(text).map_err(|_| Failure::NoInstance);
-        let (name, token) = (text(name)?, text(&self.description.token)?);
-        let folder = self.folder.path().join("resources");
-        let log = Arc::clone(log);
-        Ok(match &self.library {
-            Library::V2(library) => {
-                let resources = text(&file_uri(&folder))?;
-                Rc::new(Slave2::new(Arc::clone(library), &name, &token, &resources, log)?)
+        let (token, log) = (&self.description.token, Arc::clone(log));
+        let resources = self.folder.path().join("resources");
+        match &self.binary {
+            Binary::Here(library) => instantiate(library, name, token, &resources, log),
+            #[cfg(unix)]
+            Binary::Apart(worker, library) => {
+                let start = Start {
+                    version: self.description.version,
+                    library: library.into(),
+                    name: name.to_owned(),
+                    token: token.clone(),
+                    resources: resources.into(),
+                };
+                Ok(Rc::new(Remote::start(worker, &start, log)?))
             }
-            Library::V3(library) => {
-                // FMI 3 wants a path with a trailing separator, which joining nothing adds.
-                let resources = text(&folder.join("").to_string_lossy())?;
-                Rc::new(Slave3::new(Arc::clone(library), &name, &token, &resources, log)?)
-            }
-        })
+        }
     }
 }
 
-/// Unpacks into a new temporary folder; the reason if that fails.
-fn unpack(path: &Path) -> Result<Folder, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    let mut archive = ZipArchive::new(file).map_err(|e| e.to_string())?;
-    let folder = Folder::new().map_err(|e| e.to_string())?;
-    archive.extract(folder.path()).map_err(|e| e.to_string())?;
-    // An FMU may come without, and is told the path all the same.
-    fs::create_dir_all(folder.path().join("resources")).map_err(|e| e.to_string())?;
-    Ok(folder)
+impl Library {
+    /// Loads a binary; the reason if that fails.
+    pub(super) fn load(version: FmiVersion, file: &Path) -> Result<Self, String> {
+        // SAFETY: loading runs the binary's initialisers, which is what the caller asked for by opening this FMU. The
+        // bindings are generated from the standard's headers, so the signatures are those the FMU must have.
+        let loaded = unsafe {
+            match version {
+                FmiVersion::V2 => Fmi2Library::new(file).map(|library| Self::V2(Arc::new(library))),
+                FmiVersion::V3 => Fmi3Library::new(file).map(|library| Self::V3(Arc::new(library))),
+            }
+        };
+        // The error itself says no more than "dlopen failed"; the reason is its source.
+        loaded.map_err(|error| error.source().map_or_else(|| error.to_string(), ToString::to_string))
+    }
 }
 
-/// Loads the binary for this machine.
-fn load(fmu: String, folder: &Path, description: &ModelDescription) -> Result<Library, CosimError> {
+/// An instance in this process.
+pub(super) fn instantiate(
+    library: &Library,
+    name: &str,
+    token: &str,
+    resources: &Path,
+    log: Arc<LogSink>,
+) -> Result<Rc<dyn Slave>, Failure> {
+    // No XML, path or name of a sane caller holds a zero byte.
+    let text = |text: &str| CString::new(text).map_err(|_| Failure::NoInstance);
+    let (name, token) = (text(name)?, text(token)?);
+    Ok(match library {
+        Library::V2(library) => {
+            let resources = text(&file_uri(resources))?;
+            Rc::new(Slave2::new(Arc::clone(library), &name, &token, &resources, log)?)
+        }
+        Library::V3(library) => {
+            // FMI 3 wants a path with a trailing separator, which joining nothing adds.
+            let resources = text(&resources.join("").to_string_lossy())?;
+            Rc::new(Slave3::new(Arc::clone(library), &name, &token, &resources, log)?)
+        }
+    })
+}
+
+/// What an unpacked FMU says of itself; the problem if that is not understood.
+fn describe(folder: &Path) -> Result<ModelDescription, String> {
+    let file = File::open(folder.join("modelDescription.xml")).map_err(|e| e.to_string())?;
+    let mut xml = String::new();
+    file.take(LONGEST_DESCRIPTION + 1).read_to_string(&mut xml).map_err(|e| e.to_string())?;
+    if xml.len() as u64 > LONGEST_DESCRIPTION {
+        return Err(format!("it has more than {LONGEST_DESCRIPTION} bytes, the most that are read"));
+    }
+    ModelDescription::parse(&xml)
+}
+
+/// The binary for this machine.
+fn find(fmu: &str, folder: &Path, description: &ModelDescription) -> Result<PathBuf, CosimError> {
     let wanted =
         format!("binaries/{}/{}{DLL_SUFFIX}", platform(description.version), description.model_identifier);
     let file = folder.join(&wanted);
-    if !file.is_file() {
-        return Err(CosimError::Platform { fmu, wanted, present: platforms(folder) });
+    if file.is_file() {
+        return Ok(file);
     }
-    // SAFETY: loading runs the binary's initialisers, which is what the caller asked for by opening this FMU. The
-    // bindings are generated from the standard's headers, so the signatures are those the FMU must have.
-    let loaded = unsafe {
-        match description.version {
-            FmiVersion::V2 => Fmi2Library::new(&file).map(|library| Library::V2(Arc::new(library))),
-            FmiVersion::V3 => Fmi3Library::new(&file).map(|library| Library::V3(Arc::new(library))),
-        }
-    };
-    loaded.map_err(|error| {
-        // The error itself says no more than "dlopen failed"; the reason is its source.
-        let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
-        CosimError::Library { fmu, reason }
-    })
+    Err(CosimError::Platform { fmu: fmu.to_owned(), wanted, present: platforms(folder) })
 }
 
 /// The folder below `binaries/` for this machine: `linux64` in FMI 2, `x86_64-linux` in FMI 3. FMI 2 has no name for Linux on ARM; that of FMI 3

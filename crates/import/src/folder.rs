@@ -24,7 +24,11 @@ impl Folder {
     pub fn new() -> io::Result<Self> {
         let parent = std::env::temp_dir().canonicalize()?;
         remove_abandoned(&parent);
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX);
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let folder = builder.tempdir_in(parent)?;
         let lock = File::create(folder.path().join(LOCK))?;
         lock.lock()?;
         Ok(Self { folder, _lock: lock })
@@ -62,6 +66,14 @@ mod tests {
         let Folder { folder, _lock: lock } = Folder::new().unwrap();
         lock.set_modified(SystemTime::now() - Duration::from_secs(3600)).unwrap();
         (folder.keep(), lock)
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nobody_else_may_look_into_it_or_put_something_there() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = Folder::new().unwrap();
+        assert_eq!(fs::metadata(folder.path()).unwrap().permissions().mode() & 0o777, 0o700);
     }
 
     /// Each process that was killed left the unpacked FMU behind.

@@ -72,9 +72,23 @@ impl Instance {
     /// # Errors
     /// [`CosimError::Call`] if the FMU refuses.
     pub fn get(&self, variable: &Variable) -> Result<Value, CosimError> {
-        self.slave
-            .get(variable.kind, variable.reference)
-            .map_err(|failure| self.error(failure, || format!("reading {}", variable.name)))
+        self.slave.get(variable.kind, variable.reference).map_err(|failure| self.unread(variable, failure))
+    }
+
+    /// Reads as many variables as there are `values`: with an FMU in a process of its own, one exchange instead of one each.
+    ///
+    /// # Errors
+    /// As [`get`](Self::get).
+    pub fn get_all(&self, variables: &[Variable], values: &mut [Value]) -> Result<(), CosimError> {
+        assert_eq!(variables.len(), values.len(), "a value for each variable");
+        if variables.is_empty() {
+            return Ok(());
+        }
+        self.slave.get_all(variables, values).map_err(|(k, failure)| self.unread(&variables[k], failure))
+    }
+
+    fn unread(&self, variable: &Variable, failure: Failure) -> CosimError {
+        self.error(failure, || format!("reading {}", variable.name))
     }
 
     /// Writes a variable.
@@ -83,7 +97,25 @@ impl Instance {
     /// [`CosimError::WrongType`]; [`CosimError::Call`] if the FMU refuses.
     pub fn set(&self, variable: &Variable, value: impl Into<Value>) -> Result<(), CosimError> {
         let value = value.into();
-        self.slave.set(variable.kind, variable.reference, value).map_err(|failure| match failure {
+        let set = self.slave.set(variable.kind, variable.reference, value);
+        set.map_err(|failure| self.unset(variable, value, failure))
+    }
+
+    /// Writes variables in the order given: with an FMU in a process of its own, one exchange instead of one each.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn set_all(&self, variables: &[Variable], values: &[Value]) -> Result<(), CosimError> {
+        assert_eq!(variables.len(), values.len(), "a value for each variable");
+        if variables.is_empty() {
+            return Ok(());
+        }
+        let set = self.slave.set_all(variables, values);
+        set.map_err(|(k, failure)| self.unset(&variables[k], values[k], failure))
+    }
+
+    fn unset(&self, variable: &Variable, value: Value, failure: Failure) -> CosimError {
+        match failure {
             Failure::Type => CosimError::WrongType {
                 instance: self.name.clone(),
                 variable: variable.name.clone(),
@@ -91,7 +123,7 @@ impl Instance {
                 value,
             },
             other => self.error(other, || format!("setting {} = {value}", variable.name)),
-        })
+        }
     }
 
     /// Writes variables by name, in the order given; before initialisation that sets parameters and start values.
@@ -215,7 +247,10 @@ impl Instance {
                 variable: action(),
                 kind: "of a type that this version of FMI does not have".to_owned(),
             },
-            Failure::Terminate | Failure::NoInstance => CosimError::Instantiation { instance, said },
+            Failure::Lost(how) => CosimError::Lost { instance, action: action(), how, said },
+            Failure::Terminate | Failure::NoInstance | Failure::Library(_) => {
+                CosimError::Instantiation { instance, said }
+            }
         }
     }
 }

@@ -1,13 +1,18 @@
 //! What an FMU has to say: status codes and log messages.
 #![allow(unsafe_code)]
 
+use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use serde::{Deserialize, Serialize};
+
+use super::limits::MOST_COMPLAINTS;
+
 /// Status of a call; the codes of both versions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Status {
     /// All is well.
     Ok,
@@ -69,7 +74,7 @@ pub type LogCallback = Box<dyn FnMut(&LogMessage) + Send>;
 pub(super) struct LogSink {
     instance: String,
     callback: Mutex<LogCallback>,
-    complaints: Mutex<Vec<String>>,
+    complaints: Mutex<VecDeque<String>>,
 }
 
 impl LogSink {
@@ -77,9 +82,9 @@ impl LogSink {
         Self { instance: instance.to_owned(), callback: Mutex::new(callback), complaints: Mutex::default() }
     }
 
-    /// What the FMU complained of since the last time.
+    /// What the FMU complained of since the last time: the newest of it.
     pub(super) fn take_complaints(&self) -> String {
-        std::mem::take(&mut *lock(&self.complaints)).join("; ")
+        Vec::from(std::mem::take(&mut *lock(&self.complaints))).join("; ")
     }
 
     /// The pointer that the FMU hands back with each message.
@@ -87,9 +92,13 @@ impl LogSink {
         std::ptr::from_ref(self).cast_mut().cast()
     }
 
-    fn receive(&self, status: Status, category: String, text: String) {
+    pub(super) fn receive(&self, status: Status, category: String, text: String) {
         if status > Status::Warning {
-            lock(&self.complaints).push(text.clone());
+            let mut complaints = lock(&self.complaints);
+            if complaints.len() == MOST_COMPLAINTS {
+                complaints.pop_front();
+            }
+            complaints.push_back(text.clone());
         }
         let message = LogMessage { instance: self.instance.clone(), status, category, text };
         (lock(&self.callback))(&message);
@@ -177,6 +186,18 @@ mod tests {
         assert_eq!(said, ["5 % of %s", "5 %% stays"]);
         assert_eq!(sink.take_complaints(), "5 % of %s", "the warning is no complaint");
         assert_eq!(sink.take_complaints(), "");
+    }
+
+    /// Calls that succeed may complain as well, and nobody asks why they failed.
+    #[test]
+    fn complaints_that_nobody_asks_for_do_not_pile_up() {
+        let sink = LogSink::new("p", Box::new(|_| {}));
+        for k in 0..3 * MOST_COMPLAINTS {
+            sink.receive(Status::Error, String::new(), k.to_string());
+        }
+        let said = sink.take_complaints();
+        assert_eq!(said.split("; ").count(), MOST_COMPLAINTS);
+        assert!(said.ends_with(&format!("; {}", 3 * MOST_COMPLAINTS - 1)), "{said}");
     }
 
     #[test]

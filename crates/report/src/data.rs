@@ -1,5 +1,7 @@
 //! What the page's scripts draw: the robot, the plane, and the drawn rows of the history, as JSON.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use super::domains::domain;
@@ -44,7 +46,7 @@ pub struct Data {
     tension_top: f64,
     colour_top: f64,
     /// Names of the statuses from number 1 on.
-    statuses: [&'static str; 7],
+    statuses: [Cow<'static, str>; 7],
     /// Those active in a drawn row.
     set_points: Vec<SetPoint>,
     /// Number of the last set point.

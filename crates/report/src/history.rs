@@ -1,5 +1,7 @@
 //! The columns of a run folder as poses and rates.
 
+use std::borrow::Cow;
+
 use super::{Run, RunFolder, RunInfo, Table, TableError};
 use cable_robot::control::Reference;
 use cable_robot::plan::Status;
@@ -89,8 +91,7 @@ impl<'a> History<'a> {
 
     /// Whether the law (4) was at work: neither disabled nor at fault.
     pub fn law_at_work(&self, row: usize) -> bool {
-        let idle =
-            [Status::Disabled, Status::SensorFault, Status::WaitingForPose].map(|status| status as i32);
+        let idle = [Status::Disabled, Status::SensorFault, Status::WaitingForPose].map(Status::number);
         self.status.as_ref().is_none_or(|status| !idle.contains(&status[row]))
     }
 
@@ -130,7 +131,7 @@ impl<'a> History<'a> {
     /// What the controller said last; `None` if it did not say.
     pub fn last_status(&self) -> Option<Status> {
         let number = *self.status.as_ref()?.last()?;
-        Status::ALL.into_iter().find(|status| *status as i32 == number)
+        Some(Status::of(number))
     }
 
     /// Whether any cable is slack.
@@ -140,8 +141,8 @@ impl<'a> History<'a> {
 }
 
 /// A status in words.
-pub fn status_name(status: Status) -> &'static str {
-    match status {
+pub fn status_name(status: Status) -> Cow<'static, str> {
+    let name = match status {
         Status::Disabled => "disabled",
         Status::Holding => "holding",
         Status::Moving => "moving",
@@ -149,7 +150,9 @@ pub fn status_name(status: Status) -> &'static str {
         Status::GoalUnreachable => "goal unreachable",
         Status::SensorFault => "sensor fault",
         Status::WaitingForPose => "waiting for a pose",
-    }
+        Status::Unknown(_) => return status.to_string().into(),
+    };
+    name.into()
 }
 
 fn references(table: &Table) -> Result<Vec<Reference>, TableError> {

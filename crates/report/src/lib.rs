@@ -9,6 +9,7 @@ mod explanation;
 pub mod facts;
 pub mod files;
 mod history;
+mod limits;
 mod page;
 pub mod recording;
 mod run;
@@ -20,8 +21,8 @@ pub use compare::{CompareError, compare};
 pub use page::html;
 pub use recording::Recording;
 pub use run::{Run, SetPoint, Slack, SmallestTension, Summary};
-pub use run_folder::{RunFolder, RunFolderError, RunInfo};
-pub use table::{Table, TableError};
+pub use run_folder::{GrowingRun, RunFolder, RunFolderError, RunInfo};
+pub use table::{Rows, Table, TableError};
 
 #[cfg(test)]
 mod tests {

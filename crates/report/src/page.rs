@@ -282,7 +282,7 @@ mod tests {
         assert!(page.contains("From the start at the end"));
 
         folder.table = changed(&folder.table, |name, row, value| match name {
-            "controller.status" if row > 3 => f64::from(Status::SensorFault as i32),
+            "controller.status" if row > 3 => f64::from(Status::SensorFault.number()),
             _ => value,
         });
         assert!(

@@ -68,18 +68,23 @@ impl Recording {
         Self { variables: variables(cables), values, table: Table::new(columns(cables)) }
     }
 
-    /// Adds a row.
+    /// Adds a row, and gives it back, without its time.
     ///
     /// # Errors
     /// [`NotFinite`]; the row is not added then.
-    pub fn push(&mut self, moment: &Moment) -> Result<(), NotFinite> {
+    pub fn push(&mut self, moment: &Moment) -> Result<Vec<f64>, NotFinite> {
         let row = self.row(moment);
         if let Some(k) = row.iter().position(|value| !value.is_finite()) {
             let (column, value) = (self.table.names()[k + 1].clone(), row[k]);
             return Err(NotFinite { column, value, time: moment.time });
         }
         self.table.push(moment.time, &row);
-        Ok(())
+        Ok(row)
+    }
+
+    /// The columns, `time` first.
+    pub fn names(&self) -> &[String] {
+        self.table.names()
     }
 
     /// A moment's values in the order of [`columns`], without taking it down.
@@ -158,6 +163,6 @@ mod tests {
         assert_eq!((table.rows(), last("time"), last("controller.goalPose.x")), (2, 0.1, 0.05));
         assert_eq!(last("controller.motorTension[6]"), moment.controller.motor_tension[5]);
         assert_eq!(last("plant.measuredTension[1]"), moment.plant.measured_tension[0]);
-        assert_eq!(last("controller.status"), f64::from(moment.controller.status as i32));
+        assert_eq!(last("controller.status"), f64::from(moment.controller.status.number()));
     }
 }

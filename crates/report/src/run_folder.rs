@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Run;
-use super::files::{Part, probe, read_text};
-use super::table::{Table, TableError};
+use super::files::{Part, begin, probe, read_text, unwritten};
+use super::table::{Rows, Table, TableError};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::orbit::Orbit;
 use cable_robot::robot::ParameterError;
@@ -146,27 +146,11 @@ impl RunFolder {
     /// another run, its report too, is removed, and both are moved to their places: no folder ever holds files of two runs.
     ///
     /// # Errors
-    /// [`RunFolderError::Write`].
-    pub fn write(&self, folder: &Path) -> Result<(), RunFolderError> {
-        self.write_watched(folder, || Ok(()))
-    }
-
-    /// As [`write`](Self::write); `row_done` is called after each row and may give the whole up.
-    ///
-    /// # Errors
     /// [`RunFolderError::Write`]; nothing is left then, and what stood there is untouched.
-    pub fn write_watched(
-        &self,
-        folder: &Path,
-        row_done: impl FnMut() -> io::Result<()>,
-    ) -> Result<(), RunFolderError> {
+    pub fn write(&self, folder: &Path) -> Result<(), RunFolderError> {
         make(folder)?;
-        let csv =
-            Part::write(&folder.join(RUN_CSV), |file| Ok(self.table.write_csv_watched(file, row_done)?))?;
-        let json = Part::write(&folder.join(RUN_JSON), |file| {
-            serde_json::to_writer_pretty(&mut *file, &self.info)?;
-            writeln!(file)
-        })?;
+        let csv = Part::write(&folder.join(RUN_CSV), |file| Ok(self.table.write_csv(file)?))?;
+        let json = json(folder, &self.info)?;
         forget(folder)?;
         csv.settle()?;
         json.settle()
@@ -234,6 +218,46 @@ impl RunFolder {
             tension,
         })
     }
+}
+
+/// A run folder whose rows are written as they come: however the program ends, those so far are there.
+pub struct GrowingRun {
+    path: PathBuf,
+    rows: Rows<File>,
+}
+
+impl GrowingRun {
+    /// Writes `run.json` and the names of the columns into `folder`, in place of what is left there of another run.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Write`].
+    pub fn begin(folder: &Path, info: &RunInfo, names: &[String]) -> Result<Self, RunFolderError> {
+        make(folder)?;
+        let path = folder.join(RUN_CSV);
+        let json = json(folder, info)?;
+        forget(folder)?;
+        let file = begin(&path)?;
+        let rows = Rows::begin(file, names).map_err(|reason| unwritten(&path, reason.into()))?;
+        json.settle()?;
+        Ok(Self { path, rows })
+    }
+
+    /// Writes a row: in the order of the names, `time` first.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Write`].
+    pub fn add(&mut self, row: &[f64]) -> Result<(), RunFolderError> {
+        let added = self.rows.add(row).map_err(io::Error::from).and_then(|()| self.rows.flush());
+        added.map_err(|reason| unwritten(&self.path, reason))
+    }
+}
+
+/// `run.json`, beside its place.
+fn json(folder: &Path, info: &RunInfo) -> Result<Part, RunFolderError> {
+    Part::write(&folder.join(RUN_JSON), |file| {
+        serde_json::to_writer_pretty(&mut *file, info)?;
+        writeln!(file)
+    })
 }
 
 /// Makes the folder and sees whether both files can be written there: to be called before the work.

@@ -1,11 +1,17 @@
 //! Columns of numbers with names, and the CSV file they make.
 
+use std::collections::HashSet;
 use std::io::{self, Read, Write};
 
 use thiserror::Error;
 
+use super::limits::{LONGEST_LINE, MOST_COLUMNS, MOST_NUMBERS};
+
 /// Times are at most this far from 0, s: thirty years.
 const LONGEST: f64 = 1e9;
+
+/// Bytes of a row that go into the file at once: three hundred columns have fewer than ten thousand.
+const LONGEST_ROW: usize = 1 << 16;
 
 /// Columns of one length, each with its name; the first is `time` (s).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +37,18 @@ pub enum TableError {
     Twice {
         /// The name.
         name: String,
+    },
+    /// More columns than any run has.
+    #[error("line 1: there are {count} columns; at most {MOST_COLUMNS} are read")]
+    TooManyColumns {
+        /// How many.
+        count: usize,
+    },
+    /// More than fits into memory.
+    #[error("line {line}: more than {MOST_NUMBERS} numbers, the most that are read")]
+    TooManyNumbers {
+        /// Line of the file.
+        line: u64,
     },
     /// A column that is needed is not there.
     #[error("line 1: there is no column {name:?}")]
@@ -126,25 +144,12 @@ impl Table {
     /// # Errors
     /// What the writer reports.
     pub fn write_csv(&self, writer: impl Write) -> Result<(), csv::Error> {
-        self.write_csv_watched(writer, || Ok(()))
-    }
-
-    /// As [`write_csv`](Self::write_csv); `row_done` is called after each row and may end it.
-    ///
-    /// # Errors
-    /// What the writer or `row_done` reports.
-    pub fn write_csv_watched(
-        &self,
-        writer: impl Write,
-        mut row_done: impl FnMut() -> io::Result<()>,
-    ) -> Result<(), csv::Error> {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(&self.names)?;
+        let mut rows = Rows::begin(writer, &self.names)?;
         for row in 0..self.rows() {
-            csv.serialize(self.columns.iter().map(|column| column[row]).collect::<Vec<_>>())?;
-            row_done()?;
+            let numbers: Vec<_> = self.columns.iter().map(|column| column[row]).collect();
+            rows.add(&numbers)?;
         }
-        Ok(csv.flush()?)
+        Ok(rows.flush()?)
     }
 
     /// Reads what [`write_csv`](Self::write_csv) wrote; columns may stand in any order, `time` first.
@@ -152,19 +157,26 @@ impl Table {
     /// # Errors
     /// [`TableError`] with line and column.
     pub fn read_csv(reader: impl Read) -> Result<Self, TableError> {
-        let mut csv = csv::Reader::from_reader(reader);
+        let mut csv = csv::Reader::from_reader(Lines { reader, length: 0 });
         let names: Vec<String> = csv.headers()?.iter().map(str::to_owned).collect();
         let first = names.first().cloned().unwrap_or_default();
         if first != "time" {
             return Err(TableError::NoTime { found: first });
         }
-        if let Some(k) = (1..names.len()).find(|k| names[..*k].contains(&names[*k])) {
-            return Err(TableError::Twice { name: names[k].clone() });
+        if names.len() > MOST_COLUMNS {
+            return Err(TableError::TooManyColumns { count: names.len() });
+        }
+        let mut known = HashSet::new();
+        if let Some(name) = names.iter().find(|name| !known.insert(*name)) {
+            return Err(TableError::Twice { name: name.clone() });
         }
         let mut table = Self { columns: vec![Vec::new(); names.len()], names };
         let mut record = csv::StringRecord::new();
         while csv.read_record(&mut record)? {
             table.take(&record)?;
+            if table.rows() * table.names.len() > MOST_NUMBERS {
+                return Err(TableError::TooManyNumbers { line: csv.position().line() });
+            }
         }
         if table.rows() == 0 { Err(TableError::Empty) } else { Ok(table) }
     }
@@ -190,6 +202,60 @@ impl Table {
     }
 }
 
+/// A table's CSV, written as its rows come.
+pub struct Rows<W: Write> {
+    csv: csv::Writer<W>,
+}
+
+impl<W: Write> Rows<W> {
+    /// Writes the names.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn begin(writer: W, names: &[String]) -> Result<Self, csv::Error> {
+        let mut csv = csv::WriterBuilder::new().buffer_capacity(LONGEST_ROW).from_writer(writer);
+        csv.write_record(names)?;
+        Ok(Self { csv })
+    }
+
+    /// Writes a row, which [`flush`](Self::flush) brings to its reader.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn add(&mut self, row: &[f64]) -> Result<(), csv::Error> {
+        self.csv.serialize(row)
+    }
+
+    /// Nothing waits in this process any more.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.csv.flush()
+    }
+}
+
+/// Reads no line that has no end.
+struct Lines<R> {
+    reader: R,
+    /// Of the line so far.
+    length: usize,
+}
+
+impl<R: Read> Read for Lines<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.reader.read(bytes)?;
+        let end = bytes[..count].iter().rposition(|byte| *byte == b'\n');
+        self.length = end.map_or(self.length + count, |end| count - end - 1);
+        if self.length > LONGEST_LINE {
+            return Err(io::Error::other(format!(
+                "a line has more than {LONGEST_LINE} bytes, the most that are read"
+            )));
+        }
+        Ok(count)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,6 +274,25 @@ mod tests {
         assert_eq!(Table::read_csv(text.as_slice()).unwrap(), table);
         assert_eq!(table.column("a").unwrap()[0], 0.1 + 0.2);
         assert!(table.column("c").unwrap_err().to_string().contains("no column \"c\""));
+    }
+
+    #[test]
+    fn columns_without_number_are_refused_with_theirs() {
+        let names: Vec<_> = (0..100_000).map(|k| format!("c{k}")).collect();
+        let said = refusal(&format!("time,{}\n", names.join(",")));
+        assert_eq!(said, "line 1: there are 100001 columns; at most 10000 are read");
+        let most = format!("time,{}\n0{}\n", names[..9999].join(","), ",1".repeat(9999));
+        assert_eq!(Table::read_csv(most.as_bytes()).unwrap().names().len(), 10_000);
+    }
+
+    /// As of a file with holes, which has no content and ten gigabytes.
+    #[test]
+    fn a_line_without_end_is_refused_with_the_number_of_bytes() {
+        for before in ["", "time,a\n0,1\n"] {
+            let endless = before.as_bytes().chain(io::repeat(0));
+            let said = Table::read_csv(endless).expect_err("endless").to_string();
+            assert!(said.contains("a line has more than 1048576 bytes, the most that are read"), "{said}");
+        }
     }
 
     #[test]

@@ -1,18 +1,16 @@
 //! What Ctrl-C does to a simulation.
 
-use std::io;
 use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
 
-/// How often the user pressed Ctrl-C, or the program was asked to end. Once: the simulation stops, and what was recorded is written.
-/// Twice: the program ends at once; files that are being written are given up and removed. A third time waits for nothing.
+/// How often the user pressed Ctrl-C, or the program was asked to end. Once: the simulation stops, also where an FMU does not return. Twice: the
+/// program ends at once. Every row so far is written in any case.
 #[derive(Clone, Default)]
 pub struct Interruption {
     asked: Arc<AtomicUsize>,
-    writing: Arc<AtomicBool>,
 }
 
 impl Interruption {
@@ -21,8 +19,7 @@ impl Interruption {
         let interruption = Self::default();
         let heard = interruption.clone();
         ctrlc::set_handler(move || {
-            let before = heard.asked.fetch_add(1, Ordering::Relaxed);
-            if before >= 2 || before == 1 && !heard.writing.load(Ordering::Relaxed) {
+            if heard.asked.fetch_add(1, Ordering::Relaxed) > 0 {
                 exit(crate::INTERRUPTED.into());
             }
         })
@@ -33,20 +30,5 @@ impl Interruption {
     /// Whether the simulation is to stop.
     pub fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed) > 0
-    }
-
-    /// Whether files are not to be finished.
-    pub fn gives_up(&self) -> bool {
-        self.asked.load(Ordering::Relaxed) > 1
-    }
-
-    /// From now on files are written, and [`go_on`](Self::go_on) is asked often.
-    pub fn begin_writing(&self) {
-        self.writing.store(true, Ordering::Relaxed);
-    }
-
-    /// An error if files are not to be finished.
-    pub fn go_on(&self) -> io::Result<()> {
-        if self.gives_up() { Err(io::Error::other("interrupted")) } else { Ok(()) }
     }
 }

@@ -1,12 +1,15 @@
 //! `cable-robot simulate`: a scenario, run.
 
 mod interruption;
+mod record;
 pub mod source;
 mod summary;
 
 use std::fs;
 use std::io::{IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
+#[cfg(unix)]
+use std::time::Duration;
 
 use anyhow::{Context, Error, Result, bail, ensure};
 use cable_robot::plan::{PlannerKind, Status};
@@ -17,24 +20,28 @@ use cable_robot::sim::{BUNDLED, ControllerModel, Goal, PlantModel, PlantParamete
 use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::Model;
 use cable_robot_fmi::models::{controller, plant};
-use cable_robot_import::LogMessage;
-use cable_robot_report::Recording;
+use cable_robot_import::{Fmu, LogMessage, Lost};
+use cable_robot_programs::plain::plain;
 use cable_robot_report::run_folder::{self, FORMAT, RunFolder, RunInfo};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
 
 use self::interruption::Interruption;
+use self::record::{Record, Sink};
 use self::summary::Summary;
 use crate::arguments::{planner, pose, seconds};
 use crate::progress::Progress;
 use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, is_closed_pipe, number, print, print_json, say};
+use crate::{Outcome, lost, number, print, print_json, say};
+#[cfg(unix)]
+use {crate::FMU_WORKER, cable_robot_import::Worker};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
          cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
 Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
-GoalUnreachable, SensorFault or WaitingForPose, 4 a cable went slack, 130 interrupted; what was recorded until then is written.";
+GoalUnreachable, SensorFault or WaitingForPose, 4 a cable went slack, 5 an FMU crashed or ended its process, 6 an FMU did not return \
+within --fmu-timeout, 130 interrupted. Rows are written as they come: those until then are there.";
 
 #[derive(Args)]
 pub struct Simulate {
@@ -68,6 +75,14 @@ pub struct Simulate {
     /// A controller or plant (FMI 2.0 or 3.0 co-simulation) in place of ours; may be given twice
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     fmu: Vec<PathBuf>,
+    /// Longest time that an FMU may take for a call, s
+    #[arg(long, value_name = "S", value_parser = seconds, default_value = "60", requires = "fmu")]
+    #[cfg_attr(not(unix), expect(dead_code, reason = "FMUs run in this process there"))]
+    fmu_timeout: f64,
+    /// Runs the FMUs in this process, which ends with them should one crash: faster, for FMUs that are trusted
+    #[arg(long, requires = "fmu")]
+    #[cfg_attr(not(unix), expect(dead_code, reason = "FMUs run in this process there"))]
+    in_process: bool,
     /// Writes run.csv and run.json into this folder, instead of the CSV to stdout
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     output: Option<PathBuf>,
@@ -95,31 +110,31 @@ impl Simulate {
             return Ok(Outcome::Done);
         }
         let scenario = self.scenario()?;
-        let models = self.models(&scenario)?;
+        let interruption = Interruption::listen()?;
+        let models = match self.models(&scenario, &interruption) {
+            Err(error) if lost(&error) == Some(&Lost::Stopped) => {
+                say("interrupted: nothing was simulated");
+                return Ok(Outcome::Interrupted);
+            }
+            models => models?,
+        };
         let info = self.info(&scenario, &models);
         let lacking = models.lacking.clone();
         let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
         self.output.as_deref().map_or(Ok(()), prepare)?;
-        let (mut recording, interruption) =
-            (Recording::new(scenario.plant.rig.cables.len()), Interruption::listen()?);
-        let end = simulate(&scenario, models, &mut recording, &interruption);
+        let mut record = Record::new(scenario.plant.rig.cables.len(), &lacking, self.sink(&info));
+        let end = match self.simulate(&scenario, models, &mut record, &interruption) {
+            Err(error) if lost(&error) == Some(&Lost::Stopped) => Ok(End::Interrupted),
+            end => end,
+        };
 
-        let mut table = recording.into_table();
+        let table = record.into_table(&lacking);
         if table.rows() == 0 {
             // A folder that was made for nothing; were it no longer empty, it would stay.
             let _ = self.output.as_ref().filter(|_| !was_there).map(fs::remove_dir);
             return end.map(|_| Outcome::Done);
         }
-        table.drop_columns(&lacking);
-        let recorded = RunFolder { info, table };
-        // What went well until a failure is worth keeping.
-        let written = self.write(&recorded, &interruption);
-        if interruption.gives_up() && written.is_err() {
-            say("interrupted: nothing was written");
-            return Ok(Outcome::Interrupted);
-        }
-        written?;
-        let (status, is_slack) = self.tell(&scenario, &recorded)?;
+        let (status, is_slack) = self.tell(&scenario, &RunFolder { info, table })?;
         Ok(match (end?, status) {
             (End::Interrupted, _) => {
                 say(format_args!("interrupted: {} s were to be simulated", number(scenario.duration)));
@@ -133,27 +148,39 @@ impl Simulate {
     }
 
     /// The run folder, or the CSV to stdout.
-    fn write(&self, recorded: &RunFolder, interruption: &Interruption) -> Result<()> {
-        let progress = Progress::new("writing", recorded.table.rows() as u64);
+    fn sink(&self, info: &RunInfo) -> Sink {
+        match &self.output {
+            Some(folder) => Sink::Folder(folder.clone(), Box::new(info.clone())),
+            None if self.json => Sink::Nowhere,
+            None => Sink::Stdout,
+        }
+    }
+
+    /// Runs until the end of the scenario, or until it is to stop.
+    fn simulate(
+        &self,
+        scenario: &Scenario,
+        models: Models,
+        record: &mut Record,
+        interruption: &Interruption,
+    ) -> Result<End> {
+        let mut simulation = Simulation::with_models(scenario, models.controller, models.plant)?;
+        record.push(simulation.moment())?;
+        let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
+        let progress = Progress::new("simulating", steps);
         // A bar among the rows would be in their way.
-        let is_seen = self.output.is_none() && stdout().is_terminal();
-        let row_done = || {
+        let is_seen = self.output.is_none() && !self.json && stdout().is_terminal();
+        for _ in 0..steps {
+            if interruption.is_asked() {
+                return Ok(End::Interrupted);
+            }
+            simulation.step()?;
+            record.push(simulation.moment())?;
             if !is_seen {
                 progress.done(1);
             }
-            interruption.go_on()
-        };
-        match &self.output {
-            Some(folder) => {
-                interruption.begin_writing();
-                Ok(recorded.write_watched(folder, row_done)?)
-            }
-            None if self.json => Ok(()),
-            None => match recorded.table.write_csv_watched(stdout().lock(), row_done).map_err(Error::from) {
-                Err(error) if is_closed_pipe(&error) => Ok(()),
-                written => written.context("cannot write to stdout"),
-            },
         }
+        Ok(End::Whole)
     }
 
     fn scenario(&self) -> Result<Scenario> {
@@ -193,7 +220,7 @@ impl Simulate {
     }
 
     /// Ours, but for what an FMU replaces.
-    fn models(&self, scenario: &Scenario) -> Result<Models> {
+    fn models(&self, scenario: &Scenario, interruption: &Interruption) -> Result<Models> {
         let (controller, plant) = library_models(scenario)?;
         let mut models = Models {
             controller,
@@ -203,7 +230,7 @@ impl Simulate {
             lacking: vec![],
         };
         for path in &self.fmu {
-            let fmu = fmu_model(path, scenario)?;
+            let fmu = fmu_model(&self.open(path, interruption)?, path, scenario)?;
             let (info, lacking) = (fmu.info(), fmu.lacking());
             ensure!(
                 fmu.model() != Model::Controller || scenario.orbit.is_none(),
@@ -238,6 +265,24 @@ impl Simulate {
         Ok(models)
     }
 
+    /// In a process of its own, where there are such.
+    #[cfg(unix)]
+    fn open(&self, path: &Path, interruption: &Interruption) -> Result<Fmu> {
+        if self.in_process {
+            return Ok(Fmu::open(path)?);
+        }
+        let program = std::env::current_exe().context("cannot find this program to run the FMU in")?;
+        let limit = Duration::try_from_secs_f64(self.fmu_timeout).unwrap_or(Duration::MAX);
+        let interruption = interruption.clone();
+        let worker = Worker::new(program, &[FMU_WORKER]).with_limit(limit);
+        Ok(Fmu::open_apart(path, &worker.until(move || interruption.is_asked()))?)
+    }
+
+    #[cfg(not(unix))]
+    fn open(&self, path: &Path, _interruption: &Interruption) -> Result<Fmu> {
+        Ok(Fmu::open(path)?)
+    }
+
     fn info(&self, scenario: &Scenario, models: &Models) -> RunInfo {
         RunInfo {
             format: FORMAT,
@@ -259,7 +304,7 @@ impl Simulate {
         let run = recorded.run()?;
         let summary = Summary { scenario, run: &run, table: &recorded.table };
         // Nothing depends on whether stderr is read.
-        let _ = write!(std::io::stderr(), "{}", summary.as_text());
+        let _ = write!(std::io::stderr(), "{}", plain(&summary.as_text()));
         if self.json {
             print_json(&summary.as_json())?;
         }
@@ -284,34 +329,12 @@ enum End {
     Interrupted,
 }
 
-/// Runs until the end of the scenario, or until it is to stop.
-fn simulate(
-    scenario: &Scenario,
-    models: Models,
-    recording: &mut Recording,
-    interruption: &Interruption,
-) -> Result<End> {
-    let mut simulation = Simulation::with_models(scenario, models.controller, models.plant)?;
-    recording.push(simulation.moment())?;
-    let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
-    let progress = Progress::new("simulating", steps);
-    for _ in 0..steps {
-        if interruption.is_asked() {
-            return Ok(End::Interrupted);
-        }
-        simulation.step()?;
-        recording.push(simulation.moment())?;
-        progress.done(1);
-    }
-    Ok(End::Whole)
-}
-
 /// The FMU in this file, with the scenario's parameters.
-fn fmu_model(path: &Path, scenario: &Scenario) -> Result<FmuModel> {
+fn fmu_model(fmu: &Fmu, path: &Path, scenario: &Scenario) -> Result<FmuModel> {
     let (lambda, eta) = (scenario.controller.lambda, scenario.controller.eta);
     let (rig, home) = (scenario.plant.rig, scenario.plant.initial_pose);
     let rig = RigFile { name: scenario.rig.clone(), rig, home, lambda, eta };
-    let mut fmu = FmuModel::open(path, &rig, Box::new(say_of_fmu))?;
+    let mut fmu = FmuModel::of(fmu, path, &rig, Box::new(say_of_fmu))?;
     let model = fmu.model();
     fmu.set_parameters(|interface, values| {
         match model {

@@ -34,7 +34,7 @@ impl Summary<'_> {
             text += &self.goals();
         }
         text += &format!("slack cables: {}\n", slack_in_words(&summary.slack));
-        let status = self.status().map(|status| format!("{status:?}"));
+        let status = self.status().map(|status| status.to_string());
         let left = self.left().map(|(distance, turn)| {
             format!("{} m from the goal, turned by {turn:.4} rad from it", metres(distance).trim())
         });
@@ -67,14 +67,14 @@ impl Summary<'_> {
             }).collect::<Vec<_>>(),
             "goalDistance": self.left().map(|(distance, _)| distance),
             "goalTurn": self.left().map(|(_, turn)| turn),
-            "status": self.status().map(|status| format!("{status:?}")),
+            "status": self.status().map(|status| status.to_string()),
         })
     }
 
     /// What the controller said last; `None` if it has no status.
     pub fn status(&self) -> Option<Status> {
         let number = *self.table.get("controller.status")?.last()?;
-        Status::ALL.into_iter().find(|status| f64::from(*status as i32) == number)
+        Some(Status::of(number as i32))
     }
 
     /// How far the platform is from the last goal at the end, m, and how much it is turned from it, rad; `None` without a goal or an end.

@@ -1,6 +1,5 @@
 //! Goals of a scenario file, given when their times have come.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -8,11 +7,12 @@ use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Goal, ScenarioFile};
 use cable_robot_fieldbus::{Config, Nanoseconds, State};
+use cable_robot_report::files::read_text;
 
 /// The goals of the file; nothing else in it is used.
 pub fn read(path: &Path, config: &Config) -> Result<Vec<Goal>> {
     let name = || path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", name()))?;
+    let text = read_text(path).with_context(|| format!("cannot read {}", name()))?;
     let base = ControllerParameters { rig: config.rig, ..ControllerParameters::default() };
     let scenario = ScenarioFile::parse(&text).and_then(|file| file.scenario(&config.name, config.home, base));
     Ok(scenario.with_context(name)?.goals)

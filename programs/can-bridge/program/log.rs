@@ -138,11 +138,9 @@ pub fn computed(report: &CycleReport) -> Vec<String> {
     row.extend(text(report.pose.0.as_slice()));
     row.extend(report.drive.iter().map(|state| state.map_or(String::new(), |state| state.to_string())));
     row.extend(match report.controller {
-        Some(answer) => [
-            format!("{:?}", answer.status),
-            answer.set_point_index.to_string(),
-            answer.tension_margin.to_string(),
-        ],
+        Some(answer) => {
+            [answer.status.to_string(), answer.set_point_index.to_string(), answer.tension_margin.to_string()]
+        }
         None => Default::default(),
     });
     row

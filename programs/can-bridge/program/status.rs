@@ -126,7 +126,7 @@ impl Status {
             "tension": report.tension,
             "margin": self.margins(report),
             "predictedMargin": report.controller.map(|answer| answer.tension_margin),
-            "controller": report.controller.map(|answer| format!("{:?}", answer.status)),
+            "controller": report.controller.map(|answer| answer.status.to_string()),
             "cycles": self.cycles,
             "missedCycles": self.missed,
             "lostEntries": self.lost,

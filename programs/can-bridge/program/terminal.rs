@@ -6,6 +6,7 @@ use std::io::Write;
 use std::sync::OnceLock;
 
 use anyhow::Result;
+use cable_robot_programs::plain::plain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::outlet::Outlet;
@@ -26,7 +27,7 @@ pub fn start() -> Result<()> {
         match text {
             Text::Line(line) => bar.suspend(|| print(&line)),
             Text::Status(line) => {
-                bar.set_message(line);
+                bar.set_message(plain(&line).into_owned());
                 bar.tick();
             }
             Text::NoStatus => bar.finish_and_clear(),
@@ -66,5 +67,5 @@ pub fn finish() {
 
 fn print(line: &str) {
     // Nobody is left to tell if it fails.
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", plain(line));
 }

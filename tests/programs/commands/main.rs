@@ -4,6 +4,7 @@ mod command_line;
 mod completions;
 mod ctrl_c;
 mod figures;
+mod foreign;
 mod modelica;
 mod orbit;
 mod outputs;

@@ -7,7 +7,7 @@ use cable_robot::robot::{Coordinates, Pose, RigFile};
 use cable_robot::sim::{ClosedLoop, PlantInputs};
 use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::models::controller;
-use cable_robot_import::{CosimError, Fmu, Instance, Value};
+use cable_robot_import::{CosimError, Fmu, Instance, Value, Worker};
 use cable_robot_report::run_folder::{FORMAT, RunFolder, RunInfo};
 use cable_robot_report::{Recording, Run};
 
@@ -21,15 +21,26 @@ fn packed(version: &str, model: &str) -> PathBuf {
     path
 }
 
+/// Loads into this process, or has a process of its own load.
+type Open = fn(&Path) -> Result<Fmu, CosimError>;
+
+/// Both versions, each in both ways.
+fn ways() -> impl Iterator<Item = (&'static str, Open)> {
+    let here: Open = |path| Fmu::open(path);
+    let apart: Open =
+        |path| Fmu::open_apart(path, &Worker::new(env!("CARGO_BIN_EXE_cable-robot"), &["fmu-worker"]));
+    VERSIONS.into_iter().flat_map(move |version| [(version, here), (version, apart)])
+}
+
 /// An instance of a packed FMU.
-fn instance(version: &str, model: &str, name: &str) -> Instance {
-    let fmu = Fmu::open(packed(version, model)).unwrap_or_else(|e| panic!("{e}"));
+fn instance(open: Open, version: &str, model: &str, name: &str) -> Instance {
+    let fmu = open(&packed(version, model)).unwrap_or_else(|e| panic!("{e}"));
     fmu.instantiate(name, Box::new(|_| {})).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A plant under way, its first cable pulled more than the others.
-fn plant(version: &str, name: &str) -> Instance {
-    let plant = instance(version, "CableRobotPlant", name);
+fn plant(open: Open, version: &str, name: &str) -> Instance {
+    let plant = instance(open, version, "CableRobotPlant", name);
     plant.enter_initialization(0.0, None).unwrap();
     for i in 1..=6 {
         let tension = if i == 1 { 12.0 } else { 10.7612 };
@@ -130,8 +141,8 @@ fn the_exact_planner_turns() {
 
 #[test]
 fn a_state_goes_back_and_goes_over_to_another_instance() {
-    for version in VERSIONS {
-        let (first, second) = (plant(version, "first"), plant(version, "second"));
+    for (version, open) in ways() {
+        let (first, second) = (plant(open, version, "first"), plant(open, version, "second"));
         first.do_step(0.0, 0.1).unwrap();
         let (state, then) = (first.state().unwrap(), value(&first, "encoderPose.x"));
         let bytes = first.serialize(&state).unwrap();
@@ -150,8 +161,8 @@ fn a_state_goes_back_and_goes_over_to_another_instance() {
 
 #[test]
 fn errors_name_the_instance_the_variable_and_the_value() {
-    for version in VERSIONS {
-        let plant = plant(version, "p");
+    for (version, open) in ways() {
+        let plant = plant(open, version, "p");
         let message = |result: Result<(), CosimError>| result.expect_err("wrong on purpose").to_string();
         assert_eq!(message(plant.variable("nope").map(drop)), "p has no variable nope");
         let slack = plant.variable("slack[1]").unwrap();
@@ -159,6 +170,11 @@ fn errors_name_the_instance_the_variable_and_the_value() {
         let seed = plant.variable("noiseSeed").unwrap();
         let too_big = message(plant.set(seed, 1 << 40));
         assert_eq!(too_big, "p.noiseSeed is of type Int32 and cannot be set to 1099511627776");
+        let tensions = [1, 2].map(|i| plant.variable(&format!("motorTension[{i}]")).unwrap().clone());
+        let refused = message(plant.set_all(&tensions, &[1.0.into(), true.into()]));
+        assert_eq!(refused, "p.motorTension[2] is of type Float64 and cannot be set to true");
+        let refused = message(plant.set_all(&tensions, &[1.0.into(), f64::NAN.into()]));
+        assert!(refused.starts_with("p: setting motorTension[2] = NaN: fmi"), "{refused}");
         let refused = message(plant.set(plant.variable("motorTension[2]").unwrap(), f64::NAN));
         assert!(refused.starts_with("p: setting motorTension[2] = NaN: fmi"), "{refused}");
         assert!(
@@ -170,8 +186,8 @@ fn errors_name_the_instance_the_variable_and_the_value() {
 
 #[test]
 fn what_the_fmu_logs_about_a_parameter_stands_in_the_error() {
-    for version in VERSIONS {
-        let plant = instance(version, "CableRobotPlant", "p");
+    for (version, open) in ways() {
+        let plant = instance(open, version, "CableRobotPlant", "p");
         plant.set_parameters(&[("m", Value::Float(-6.0))]).unwrap();
         plant.enter_initialization(0.0, None).unwrap();
         let error = plant.exit_initialization().expect_err("a negative mass").to_string();

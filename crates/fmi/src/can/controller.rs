@@ -60,7 +60,7 @@ impl Node for Controller {
         let report = self.node.report();
         let state = f64::from(number(self.node.state()));
         let status = report.and_then(|report| report.controller).map(|outputs| outputs.status);
-        let status = f64::from(status.unwrap_or(ControllerStatus::Disabled) as i32);
+        let status = f64::from(status.unwrap_or(ControllerStatus::Disabled).number());
         values.write(&STATE, [state]);
         values.write(&STATE_NUMBER, [state]);
         values.write(&STATUS, [status]);

@@ -161,8 +161,8 @@ pub fn write(outputs: &ControllerOutputs, values: &mut Values) {
     values.write(&STEADY, [outputs.steady.into()]);
     values.write(&AT_GOAL, [outputs.at_goal.into()]);
     values.write(&TENSION_MARGIN, [finite(outputs.tension_margin)]);
-    values.write(&STATUS, [f64::from(outputs.status as i32)]);
-    values.write(&STATUS_NUMBER, [f64::from(outputs.status as i32)]);
+    values.write(&STATUS, [f64::from(outputs.status.number())]);
+    values.write(&STATUS_NUMBER, [f64::from(outputs.status.number())]);
     values.write(&GOAL_DISTANCE, [outputs.goal_distance]);
     values.write(&FAULT, [f64::from(outputs.fault.check as i32)]);
     values.write(&FAULT_NUMBER, [f64::from(outputs.fault.check as i32)]);
@@ -245,7 +245,7 @@ pub fn write_inputs(inputs: &ControllerInputs, values: &mut Values) {
     values.write(&ENABLE, [inputs.enable.into()]);
 }
 
-/// What [`write()`] wrote, of a fault without the pose; a number that stands for no status is read as [`Status::Moving`].
+/// What [`write()`] wrote, of a fault without the pose.
 pub fn outputs(values: &Values) -> ControllerOutputs {
     let (number, fault) = (values.integer(&STATUS), values.integer(&FAULT));
     let (force, torque) = (values.vector(&DISTURBANCE_FORCE), values.vector(&DISTURBANCE_TORQUE));
@@ -267,7 +267,7 @@ pub fn outputs(values: &Values) -> ControllerOutputs {
         disturbance: Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z),
         estimated_mass: values.scalar(&ESTIMATED_MASS),
         pending: Pending::ALL[values.integer(&PARAMETERS_PENDING).clamp(0, 2) as usize],
-        status: Status::ALL.into_iter().find(|status| *status as i32 == number).unwrap_or(Status::Moving),
+        status: Status::of(number),
         fault: Fault {
             check: Check::ALL.into_iter().find(|check| *check as i32 == fault).unwrap_or(Check::None),
             value: values.scalar(&FAULT_VALUE),

@@ -116,3 +116,28 @@ fn errors_name_the_element_the_attribute_and_the_value() {
     assert!(refused("</ModelVariables>", "</Model>").starts_with("no XML at byte "));
     assert_eq!(ModelDescription::parse("").expect_err("nothing"), "there is no <fmiModelDescription>");
 }
+
+#[test]
+fn a_model_identifier_that_is_a_path_is_refused() {
+    let described = |identifier: &str| {
+        ModelDescription::parse(&format!(
+            "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"M\" instantiationToken=\"t\">\
+             <CoSimulation modelIdentifier=\"{identifier}\"/></fmiModelDescription>"
+        ))
+    };
+    for good in ["M", "_m1", "CableRobotPlant"] {
+        assert_eq!(described(good).unwrap().model_identifier, good);
+    }
+    for bad in ["../../../../outside/lib", "/lib", "a/b", "a.b", "", "1m", "m\u{e9}", "a b"] {
+        let said = described(bad).unwrap_err();
+        let wanted = "; it must be letters, digits and _, no digit first: it names the binary";
+        assert_eq!(said, format!("modelIdentifier is {bad:?}{wanted}"));
+    }
+}
+
+#[test]
+fn elements_without_end_inside_one_another_are_refused_with_the_number() {
+    let xml = "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"M\" instantiationToken=\"t\">".to_owned();
+    let said = ModelDescription::parse(&(xml + &"<a>".repeat(1000))).unwrap_err();
+    assert_eq!(said, "more than 100 elements inside one another");
+}

@@ -69,7 +69,7 @@ function show(time) {
 function described(run, row) {
   const at = COORDINATES.map((_, k) => metres(run.rows.pose[k][row])).join(", ");
   const slack = run.anchors.flatMap((_, i) => (isSlack(run, row, i) ? [i + 1] : []));
-  const state = run.rows.status ? ` · ${run.statuses[run.rows.status[row] - 1] ?? ""}` : "";
+  const state = run.rows.status ? ` · ${run.statuses[run.rows.status[row] - 1] ?? `unknown status ${run.rows.status[row]}`}` : "";
   return `<b>(${at}) m</b>${state} · ${slack.length ? `<span class="bad">slack: cable ${slack.join(", ")}</span>` : "all cables taut"}`;
 }
 

@@ -110,7 +110,7 @@ function describeRobot(row) {
   const at = COORDINATES.map((_, k) => metres(rows.pose[k][row])).join(", ");
   const turned = rows.pose.slice(3).map((column) => column[row]);
   const angles = turned.some((angle) => Math.abs(angle) > 1e-3) ? `, roll, pitch, yaw (${radians(turned)}) rad` : "";
-  const state = rows.status ? run.statuses[rows.status[row] - 1] ?? "" : "";
+  const state = rows.status ? run.statuses[rows.status[row] - 1] ?? `unknown status ${rows.status[row]}` : "";
   byId("robot-now").innerHTML = `<b>(${at}) m</b>${angles} · set point ${run.setPoints[activeAt(run.setPoints, row)].number} of ${run.lastSetPoint}${state && ` · ${state}`} · ${slackCables(row)}`;
 }
 

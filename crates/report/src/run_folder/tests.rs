@@ -68,10 +68,30 @@ fn a_new_run_leaves_neither_the_report_nor_the_json_of_the_old_one() {
     assert!(!report.exists());
 
     fs::write(&report, "of the old run").unwrap();
-    let given_up = || Err(io::Error::other("given up"));
-    assert!(run_folder(Model::Library).write_watched(folder.path(), given_up).is_err());
-    assert_eq!(RunFolder::read(folder.path()).unwrap().info.controller, Model::Rig);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left of what was given up");
+    let RunFolder { info, table } = run_folder(Model::Library);
+    GrowingRun::begin(folder.path(), &info, table.names()).unwrap();
+    assert!(!report.exists());
+}
+
+/// The program may end at any time, and its destructors may not run.
+#[test]
+fn every_row_is_in_the_file_as_soon_as_it_is_added() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = run_folder(Model::Library);
+    let mut growing = GrowingRun::begin(folder.path(), &written.info, written.table.names()).unwrap();
+    for row in 0..written.table.rows() {
+        let numbers: Vec<_> =
+            written.table.names().iter().map(|name| written.table.column(name).unwrap()[row]).collect();
+        growing.add(&numbers).unwrap();
+        assert_eq!(RunFolder::read(folder.path()).unwrap().table.rows(), row + 1);
+    }
+    std::mem::forget(growing);
+    assert_eq!(RunFolder::read(folder.path()).unwrap(), written);
+    let whole = tempfile::tempdir().unwrap();
+    written.write(whole.path()).unwrap();
+    for name in [RUN_CSV, RUN_JSON] {
+        assert_eq!(fs::read(folder.path().join(name)).unwrap(), fs::read(whole.path().join(name)).unwrap());
+    }
 }
 
 #[test]
