@@ -20,17 +20,23 @@ TILT = 1e-6  # rad, for derivatives
 
 
 class Controller:
+    """A row of unknowns a step: pose and rates at its end, accelerations and tensions (shares of the weight) in it. A row of equations: pose, rates, wrench, tensions."""
+
     def __init__(self, rig, start, goal):
-        self.rig, self.goal, n = rig, goal, rig.cables
+        self.rig, self.goal, self.width = rig, goal, 18 + rig.cables
+        # What was predicted the step before, pose and rates at the beginning of each step.
         self.q, self.v = np.tile(start, (HORIZON + 1, 1)), np.zeros((HORIZON + 1, 6))
-        self.a, self.u = np.zeros((HORIZON, 6)), np.full((HORIZON, n), 1.2 * rig.weight / n)
-        self.width = 18 + n
+        self.u = np.full((HORIZON, rig.cables), 1.2 * rig.weight / rig.cables)
         self.solver, self.order = None, None
 
     def tensions(self, q, v):
         """Of the next step, N; None where OSQP finds none."""
-        self._shift(q, v)
-        entries, rows, columns, lower, upper = self._constraints(q, v)
+        for rows in (self.q, self.v, self.u):
+            rows[:-1] = rows[1:]
+        self.q[0], self.v[0] = q, v
+        pulls = self._pulls()
+        entries, rows, columns = self._matrix(pulls)
+        lower, upper = self._bounds(pulls)
         if self.solver is None:
             self._set_up(entries, rows, columns, lower, upper)
         else:
@@ -39,77 +45,69 @@ class Controller:
         if solved.info.status_val not in (1, 2):
             return None
         parts = solved.x.reshape(HORIZON, self.width)
-        self.q[1:], self.v[1:], self.a, self.u = parts[:, :6], parts[:, 6:12], parts[:, 12:18], parts[:, 18:] * self.rig.weight
+        self.q[1:], self.v[1:], self.u = parts[:, :6], parts[:, 6:12], parts[:, 18:] * self.rig.weight
         return self.u[0].clip(self.rig.least, self.rig.greatest)
 
-    def _shift(self, q, v):
-        for rows in (self.q, self.v, self.a, self.u):
-            rows[:-1] = rows[1:]
-        self.q[0], self.v[0] = q, v
+    def _pulls(self):
+        """By how much the wrench of the predicted tensions changes with the pose, a matrix a step."""
+        tilted = np.stack([self.q[:-1] + sign * TILT * np.eye(6)[k] for sign in (1, -1) for k in range(6)])
+        wrenches = apply(self.rig.matrix(tilted), self.u)
+        return np.moveaxis((wrenches[:6] - wrenches[6:]) / (2 * TILT), 0, -1)
 
-    def _set_up(self, entries, rows, columns, lower, upper):
-        shape = (len(lower), HORIZON * self.width)
-        numbered = sparse.csc_matrix((np.arange(1, len(entries) + 1), (rows, columns)), shape)
-        self.order = numbered.data - 1
-        numbered = sparse.csc_matrix((entries[self.order], numbered.indices, numbered.indptr), shape)
-        scale = np.array([1, 1, 1, *[self.rig.radius] * 3]) ** 2
-        weights = np.concatenate([scale, RATES * scale, ACCELERATIONS * scale, np.full(self.rig.cables, SHARES)])
-        weights = np.tile(weights, (HORIZON, 1))
-        towards = np.zeros_like(weights)
-        towards[:, :6] = -weights[:, :6] * self.goal
-        self.solver = osqp.OSQP()
-        self.solver.setup(
-            sparse.diags(weights.ravel(), format="csc"), towards.ravel(), numbered, lower, upper,
-            verbose=False, eps_abs=1e-5, eps_rel=1e-5, max_iter=4000, adaptive_rho_interval=50,
-        )  # fmt: skip
+    def _matrix(self, pulls):
+        """Entries with their rows and columns."""
+        found, one, weight = _Entries(self.width), np.eye(6), self.rig.weight
+        # At the end: q - h^2/2 q'' = q + h v of the beginning, and v - h q'' = v of the beginning.
+        found.add(0, 0, one)
+        found.add(0, 12, -0.5 * STEP**2 * one)
+        found.add(6, 6, one)
+        found.add(6, 12, -STEP * one)
+        found.add(0, 0, -one, before=True)
+        found.add(0, 6, -STEP * one, before=True)
+        found.add(6, 6, -one, before=True)
+        # W u - M q'' + (dW/dq u) q, at the beginning.
+        found.add(12, 18, self.rig.matrix(self.q[:-1]))
+        found.add(12, 12, -self.rig.inertial(self.q[:-1]) / weight)
+        found.add(12, 0, pulls / weight, before=True)
+        found.add(18, 18, np.eye(self.rig.cables))
+        return found.joined()
 
-    def _constraints(self, q, v):
-        """Entries of the matrix with rows and columns, and the bounds."""
-        width, n, found = self.width, self.rig.cables, _Entries()
-        steps = np.arange(HORIZON)
-        state, row = steps * width, steps * (12 + 6 + n)
-        every = np.arange(6)
-        at = lambda base, offset: (base[:, None] + offset + every).ravel()
-        # q and v of the end of each step from those of the one before; of the first these are known.
-        for offset, factors in ((0, ((0, 1.0), (12, -0.5 * STEP**2))), (6, ((6, 1.0), (12, -STEP)))):
-            for column, factor in factors:
-                found.add(at(row, offset), at(state, column), factor)
-        found.add(at(row[1:], 0), at(state[:-1], 0), -1.0)
-        found.add(at(row[1:], 0), at(state[:-1], 6), -STEP)
-        found.add(at(row[1:], 6), at(state[:-1], 6), -1.0)
-        # Equation of motion at the start of each step, over the weight: pull - M q'' = other, where the pull also changes with the pose.
-        pulls, other, inertial = self._linearised()
-        block = lambda offset, wide: np.broadcast_to((row[:, None, None] + 12 + every[:, None]), (HORIZON, 6, wide)).ravel()
-        across = lambda base, offset, wide: np.broadcast_to(base[:, None, None] + offset + np.arange(wide), (len(base), 6, wide)).ravel()
-        found.add(block(12, n), across(state, 18, n), self.rig.matrix(self.q[:-1]).ravel())
-        found.add(block(12, 6), across(state, 12, 6), -inertial.ravel() / self.rig.weight)
-        found.add(block(12, 6).reshape(HORIZON, -1)[1:].ravel(), across(state[:-1], 0, 6), pulls[1:].ravel() / self.rig.weight)
-        right = other + apply(pulls, self.q[:-1])
-        right[0] -= apply(pulls[0], q)
-        # Limits.
-        found.add((row[:, None] + 18 + np.arange(n)).ravel(), (state[:, None] + 18 + np.arange(n)).ravel(), 1.0)
-        lower = np.zeros((HORIZON, 18 + n))
-        lower[0, :12] = np.concatenate([q + STEP * v, v])
-        lower[:, 12:18] = right / self.rig.weight
+    def _bounds(self, pulls):
+        lower = np.zeros((HORIZON, self.width))
+        lower[0, :12] = np.concatenate([self.q[0] + STEP * self.v[0], self.v[0]])
+        wrench = self.rig.other(self.q[:-1], self.v[:-1]) + apply(pulls, self.q[:-1])
+        wrench[0] -= apply(pulls[0], self.q[0])
+        lower[:, 12:18] = wrench / self.rig.weight
         upper = lower.copy()
         lower[:, 18:], upper[:, 18:] = self.rig.least / self.rig.weight, self.rig.greatest / self.rig.weight
-        return *found.joined(), lower.ravel(), upper.ravel()
+        return lower.ravel(), upper.ravel()
 
-    def _linearised(self):
-        """By how much the wrench of the predicted tensions changes with the pose, the wrench of rates and gravity, and what q'' is multiplied with."""
-        q, v = self.q[:-1], self.v[:-1]
-        tilted = np.stack([q + sign * TILT * np.eye(6)[k] for sign in (1, -1) for k in range(6)])
-        wrenches = apply(self.rig.matrix(tilted), self.u)
-        pulls = np.moveaxis((wrenches[:6] - wrenches[6:]) / (2 * TILT), 0, -1)
-        return pulls, self.rig.other(q, v), self.rig.inertial(q)
+    def _set_up(self, entries, rows, columns, lower, upper):
+        numbered = sparse.csc_matrix((np.arange(1, len(entries) + 1), (rows, columns)), (len(lower), HORIZON * self.width))
+        self.order = numbered.data - 1
+        matrix = sparse.csc_matrix((entries[self.order], numbered.indices, numbered.indptr), numbered.shape)
+        scale = np.array([1, 1, 1, *[self.rig.radius] * 3]) ** 2
+        weights = np.concatenate([scale, RATES * scale, ACCELERATIONS * scale, np.full(self.rig.cables, SHARES)])
+        towards = np.zeros(self.width)
+        towards[:6] = -scale * self.goal
+        cost = sparse.diags(np.tile(weights, HORIZON), format="csc"), np.tile(towards, HORIZON)
+        self.solver = osqp.OSQP()
+        self.solver.setup(*cost, matrix, lower, upper, verbose=False, eps_abs=1e-5, eps_rel=1e-5, adaptive_rho_interval=50)
 
 
 class _Entries:
-    def __init__(self):
-        self.parts = []
+    """Of a matrix of blocks, the same place in each step."""
 
-    def add(self, rows, columns, values):
-        self.parts.append((np.broadcast_to(values, rows.shape), rows, columns))
+    def __init__(self, width):
+        self.width, self.parts = width, []
+
+    def add(self, row, column, blocks, before=False):
+        """A block a step; `before`: on the unknowns of the step before, which the first has none of."""
+        steps = np.arange(before, HORIZON)[:, None, None] * self.width
+        blocks = np.broadcast_to(blocks, (HORIZON, *blocks.shape[-2:]))[int(before) :]
+        down, across = np.arange(blocks.shape[1])[:, None], np.arange(blocks.shape[2])
+        places = steps + row + down, steps - before * self.width + column + across
+        self.parts.append([np.broadcast_to(part, blocks.shape).ravel() for part in (blocks, *places)])
 
     def joined(self):
         return [np.concatenate(part) for part in zip(*self.parts)]

@@ -48,12 +48,12 @@ def _move(found):
     """Distance from the goal over time."""
     figure = Figure((9, 3.6), layout="constrained")
     axes = figure.subplots()
-    shades = matplotlib.colormaps["tab10"].colors
+    shades = [*matplotlib.colormaps["tab10"].colors, "#000000"]
     for k, (name, (row,)) in enumerate(found.items()):
         if row:
             few = slice(None, None, len(row.times) // 300 + 1)
             style = "-" if row.keeps else "--"
-            axes.plot(row.times[few], row.away[few], style, color=shades[k % 10], linewidth=2.5 if k == 0 else 1.3, label=name)
+            axes.plot(row.times[few], row.away[few], style, color=shades[k], linewidth=2.5 if k == 0 else 1.3, label=name)
     axes.axhline(0.02, color="#888888", linewidth=0.8)
     axes.set(xscale="log", xlim=(0.1, 10), ylim=(0, 1.05), xlabel="time (s)", ylabel="distance from the goal, share of the way")
     axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])
