@@ -106,7 +106,7 @@ pub unsafe extern "C" fn cable_robot_controller_step(
             ptr::copy_nonoverlapping(outputs.motor_tension.as_ptr(), motor_tension, count);
             put_pose(&outputs.set_point, set_point);
             *tension_margin = outputs.tension_margin;
-            *status = outputs.status as c_int;
+            *status = outputs.status.number();
         }
         Ok(())
     };

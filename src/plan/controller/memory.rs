@@ -100,7 +100,8 @@ impl Controller {
             (Mode::Disabled, status) => status == Status::Disabled,
             (Mode::Waiting(_), status) => status == Status::WaitingForPose,
             (Mode::Faulted(_), status) => status == Status::SensorFault,
-            (Mode::Active, status) => !status.lacks_pose() && status != Status::Disabled,
+            (Mode::Active, Status::Disabled | Status::Unknown(_)) => false,
+            (Mode::Active, status) => !status.lacks_pose(),
         };
         expect(is_status, "status", "as its mode is")
     }
