@@ -87,8 +87,8 @@ mod tests {
     const HOSTILE: Registers = 1 << 15 | 1 << 6 | 2 << 13 | 0x20;
 
     fn third_and_subnormal() -> [f64; 4] {
-        let [one, three, zero, small] = black_box([1.0, 3.0, 0.0, f64::MIN_POSITIVE]);
-        [one / three, small * one / three, one / zero, zero / zero]
+        let [one, three, zero, nothing, small] = black_box([1.0, 3.0, 0.0, 0.0, f64::MIN_POSITIVE]);
+        [one / three, small * one / three, one / zero, nothing / zero]
     }
 
     /// Division by zero, and of zero by zero, traps in this host.
