@@ -172,3 +172,50 @@ impl ControllerParameters {
         margin - (0..3).map(lost).sum::<f64>() - differ
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{DisturbanceObserver, Estimator, Gains};
+    use crate::robot::{Coordinates, RigFile};
+
+    /// What law and observer answer a push with, integrated over all time without its sign, in units of the push: the most that they answer any other with.
+    fn answer(gains: &Gains, pole: f64) -> f64 {
+        const STEP: f64 = 1e-4;
+        let (rig, home) = (RigFile::default().rig, Pose::default());
+        let observer = DisturbanceObserver { pole, force: 1.0, torque: 1.0 };
+        // m/s, along x: so little that nothing else comes in.
+        let push = 1e-6;
+        let (mut x, mut v, mut answer) = (0.0, push, 0.0);
+        let (mut estimator, mut before) = (Estimator::at_rest(home), 0.0);
+        let duration = 14.0 / gains.lambda.min(gains.eta).min(pole);
+        for _ in 0..(duration / STEP) as u32 {
+            let mut measured = home;
+            measured.0[0] += x;
+            let along_x = |value: f64| Coordinates::ith(0, value);
+            let imposed = along_x(before) + estimator.disturbing(&rig);
+            estimator.update(&measured, &imposed, STEP, Some((&rig, &observer)));
+            let error = estimator.pose.0[0] - home.0[0];
+            let law = -(gains.lambda + gains.eta) * estimator.rates[0] - gains.omega_n_squared() * error;
+            let given = law - estimator.disturbing(&rig)[0];
+            answer += given.abs() * STEP / push;
+            x += v * STEP + given * (0.5 * STEP * STEP);
+            v += given * STEP;
+            before = given;
+        }
+        answer
+    }
+
+    #[test]
+    fn no_wrench_is_answered_with_more_than_twice_its_size() {
+        let mut most = 0.0f64;
+        for (lambda, eta) in [(1.0, 1.0), (3.0, 3.0), (15.0, 2.0), (15.0, 15.0), (60.0, 60.0)] {
+            for pole in [2.0, 10.0] {
+                let answer = answer(&Gains { lambda, eta }, pole);
+                println!("gains {lambda} and {eta}, observer {pole}: {answer:.3}");
+                most = most.max(answer);
+            }
+        }
+        assert!(most < ANSWER && most > 0.95 * ANSWER, "{most}");
+    }
+}
