@@ -49,7 +49,7 @@ def _move(found):
     """Distance from the goal over time."""
     figure = Figure((9, 3.6), layout="constrained")
     axes = figure.subplots()
-    shades = [*matplotlib.colormaps["tab10"].colors, "#000000"]
+    shades = matplotlib.colormaps["tab20"].colors
     for k, (name, (row,)) in enumerate(found.items()):
         if row:
             few = slice(None, None, len(row.times) // 300 + 1)
