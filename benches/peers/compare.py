@@ -4,7 +4,7 @@
     python3 -m venv target/peers && target/peers/bin/pip install --requirement benches/peers/requirements.txt
     target/peers/bin/python benches/peers/compare.py
 
-It takes half an hour of one core. Times of planning are CPU time of one thread.
+It takes half an hour of one core. Interrupted (Ctrl-C) it writes the page from the moves that were compared, one of each set in turn. Times of planning are CPU time of one thread.
 """
 
 import os
@@ -42,6 +42,7 @@ def methods(own, title):
         "Exact, closed loop": loop("Exact"),
         "Bounded (the paper's chain), closed loop": loop("Bounded"),
         page.TOPPRA: peer(parametrized.interpolation),
+        page.SECOND_ORDER: peer(parametrized.second_order),
         "toppra, Collocation": peer(parametrized.collocation),
         "ruckig": peer(parametrized.by_ruckig),
         "CasADi + ipopt, on the way": peer(ipopt.on_the_way),
@@ -50,27 +51,46 @@ def methods(own, title):
     }
 
 
-def compared(own, title, pairs):
-    """What each method found for the moves, and the least time on each way."""
-    plans = methods(own, title)
-    found, least = {name: [] for name in plans}, []
-    for k, (start, goal) in enumerate(pairs):
-        for name, plan in plans.items():
-            print(f"\r{title}: {k + 1} of {len(pairs)}, {name}".ljust(100), end="", file=sys.stderr, flush=True)
-            found[name].append(plan(start, goal))
-        least.append(optimum.least_time(own.rig, start, goal, CELLS[own.rig.cables]))
+class Moves:
+    """A set of moves, and what each method found for the first of them."""
+
+    def __init__(self, own, title, pairs):
+        self.rig, self.title, self.pairs, self.methods = own.rig, title, pairs, methods(own, title)
+        self.found, self.least = {name: [] for name in self.methods}, []
+
+    def compare_next(self):
+        start, goal = self.pairs[len(self.least)]
+        rows = {}
+        for name, plan in self.methods.items():
+            step = f"{self.title}: {len(self.least) + 1} of {len(self.pairs)}, {name}"
+            print("\r" + step.ljust(90), end="", file=sys.stderr, flush=True)
+            rows[name] = plan(start, goal)
+        least = optimum.least_time(self.rig, start, goal, CELLS[self.rig.cables])
+        for name, row in rows.items():
+            self.found[name].append(row)
+        self.least.append(least)
+
+
+def compare(sets):
+    """One move of each set in turn, so that a run that is interrupted has some of each."""
+    try:
+        while left := [moves for moves in sets if len(moves.least) < len(moves.pairs)]:
+            for moves in left:
+                moves.compare_next()
+    except KeyboardInterrupt:
+        print("\ninterrupted: the page is of what was compared", end="", file=sys.stderr)
     print(file=sys.stderr)
-    return found, least
 
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
         paper, cogiro = Rig(ROOT / "rigs/paper.toml", 0.5, 40.0), Rig(ROOT / "rigs/public/cogiro.toml", 100.0, 5000.0)
-        results = {}
-        for rig, sets in ((paper, moves.of_the_papers_rig()), (cogiro, moves.of_cogiro(cogiro))):
-            own = Ours(rig, Path(folder) / rig.path.stem)
-            results |= {title: compared(own, title, pairs) for title, pairs in sets.items()}
-        again = interrupted.compared(Ours(paper, Path(folder) / "again"))
+        owns = {rig: Ours(rig, Path(folder) / rig.path.stem) for rig in (paper, cogiro)}
+        again = interrupted.compared(owns[paper])
+        drawn = ((paper, moves.of_the_papers_rig()), (cogiro, moves.of_cogiro(cogiro)))
+        sets = [Moves(owns[rig], title, pairs) for rig, of_rig in drawn for title, pairs in of_rig.items()]
+        compare(sets)
+    results = {moves.title: moves for moves in sets if moves.least}
     plots.draw(results, ROOT / "docs/figures")
     (ROOT / "docs/benchmarks.md").write_text(page.text(results, again, paper, cogiro))
     print("docs/benchmarks.md")

@@ -16,18 +16,23 @@ LONGEST = 3.0  # s
 
 
 def compared(own):
-    """Of each move: our time over the optimum's, our planning (s of CPU), the optimum's."""
-    rng = np.random.default_rng(moves.SEED)
-    rows = []
-    for k in range(MOVES):
-        print(f"\rinterrupted moves: {k + 1} of {MOVES}  ", end="", file=sys.stderr)
-        start, goal, then = (moves.pose(rng, 0, 0) for _ in range(3))
-        q, v, duration, planning = _ours(own, start, goal, then, rng.uniform(0.1, 0.9))
-        optimum = ipopt.least_time(own.rig, q, v[:2], then, (0, 1), 1.5 * duration, INTERVALS)
-        if optimum is not None:
-            rows.append((duration / optimum[1], planning, optimum[0]))
+    """Of each move: our time over the optimum's, our planning (s of CPU), the optimum's. Interrupted (Ctrl-C), of those until then."""
+    rng, rows = np.random.default_rng(moves.SEED), []
+    try:
+        for k in range(MOVES):
+            print(f"\rinterrupted moves: {k + 1} of {MOVES}  ", end="", file=sys.stderr, flush=True)
+            rows += _compared(own, *(moves.pose(rng, 0, 0) for _ in range(3)), rng.uniform(0.1, 0.9))
+    except KeyboardInterrupt:
+        pass
     print(file=sys.stderr)
     return np.array(rows)
+
+
+def _compared(own, start, goal, then, share):
+    """One row, none where ipopt finds no optimum."""
+    q, v, duration, planning = _ours(own, start, goal, then, share)
+    optimum = ipopt.least_time(own.rig, q, v[:2], then, (0, 1), 1.5 * duration, INTERVALS)
+    return [(duration / optimum[1], planning, optimum[0])] if optimum else []
 
 
 def _ours(own, start, goal, then, share):

@@ -17,11 +17,12 @@ from ours import ROOT, SPARE
 OURS = "MinimumTime"
 LOOPS = (OURS + ", closed loop", "Exact, closed loop", "Bounded (the paper's chain), closed loop")
 TOPPRA = "toppra, Interpolation"
+SECOND_ORDER = TOPPRA + ", a point at a time"
 LINES = ("The paper's move", "Level moves", "Moves in space")
 
 
 def text(results, again, paper, cogiro):
-    return "".join([_head(paper, cogiro), _aims(results, again), *(_table(title, *result) for title, result in results.items()), _end(again)])
+    return "".join([_head(paper, cogiro), _aims(results, again), *map(_table, results.values()), _end(again)])
 
 
 def _head(paper, cogiro):
@@ -35,7 +36,7 @@ besides and are given limits that are so much wider. Tensions are looked at by i
 planned motion, ours at every 0.1 ms, closed loops at every step (CoGiRo: {motion.SAMPLES[8]} instants, and of the ways to share the load the evenest). "Within limits" allows {100 * motion.KEPT:.2f} % of the weight.
 
 - *{OURS}*: the plan, read out of the packed FMU; *closed loop*: that planner, `Exact` and `Bounded` through the packed FMUs at 1 kHz. Planning is the step that takes up the goal, less the one before.
-- *toppra* {_version("toppra")}, {parametrized.POINTS} points, both schemes, with the inverse dynamics in numpy as its model; with eight cables with the planes of the wrenches that they can exert. *ruckig* {_version("ruckig")} knows limits of the axes only: it gets the greatest acceleration, the same
+- *toppra* {_version("toppra")}, {parametrized.POINTS} points, both schemes, its model the inverse dynamics in numpy, for all points at once or, as its class `SecondOrderConstraint` has it, *a point at a time*; with eight cables it gets the planes of the wrenches that they can exert. *ruckig* {_version("ruckig")} knows limits of the axes only: it gets the greatest acceleration, the same
   for all axes, with which the tensions are kept, found by {parametrized.HALVINGS} halvings; planning is of one call.
 - *CasADi* {_version("casadi")} with ipopt: the optimum *on the way* (the straight one; {ipopt.CELLS[6]} cells, {ipopt.CELLS[8]} with eight cables, limits kept at both ends of each) and *free* of it: planar (x and y at the height and orientation of the start), spatial (x, y, z), or all six
   coordinates; {ipopt.INTERVALS} intervals of constant acceleration, limits kept at both ends of each. Planning is the solver's call.
@@ -72,38 +73,39 @@ def _aims(results, again):
 def _measured(results, again):
     """Name, aim, value, how it is shown, whether it is met."""
     share, times, microseconds = "{:.3f} %".format, "{:,.1f}".format, "{:.0f} µs".format
-    lines = [excess for title in LINES if title in results for excess in _excesses(*results[title])]
+    lines = [excess for title in LINES if title in results for excess in _excesses(results[title])]
     yield "lines: longest above the way's optimum", "0.1 %", max(lines), share, lambda x: x <= 0.1
-    quicker = [toppra.planning / own.planning for title in LINES for toppra, own in _pairs(results, title, TOPPRA)]
-    yield "lines: planning, toppra's time over ours, median", "1000", np.median(quicker), times, lambda x: x >= 1000
+    for method in (SECOND_ORDER, TOPPRA):
+        quicker = [peer.planning / own.planning for title in LINES for peer, own in _pairs(results, title, method)]
+        yield f"lines: planning, time of {method}, over ours, median", "1000", np.median(quicker), times, lambda x: x >= 1000
     for title in ("Turned moves", "CoGiRo, eight cables"):
         if title in results:
-            yield f"{title}: longest above the way's optimum", "2 %", max(_excesses(*results[title])), share, lambda x: x <= 2
-            costly = 1e6 * max(row.planning for row in results[title][0][OURS] if row)
+            yield f"{title}: longest above the way's optimum", "2 %", max(_excesses(results[title])), share, lambda x: x <= 2
+            costly = 1e6 * max(row.planning for row in results[title].found[OURS] if row)
             yield f"{title}: planning, longest", "5000 µs", costly, microseconds, lambda x: x <= 5000
-    loops = [results["The paper's move"][0][name][0] for name in LOOPS]
+    loops = [results["The paper's move"].found[name][0] for name in LOOPS]
     for name, loop, aim in zip(("Exact", "the paper's chain"), loops[1:], (4, 12)):
         for until, ratio in (("2 %", loop.within / loops[0].within), ("it rests there", loop.times[-1] / loops[0].times[-1])):
             yield f"the paper's move in closed loop until {until}: time of {name} over ours", str(aim), ratio, times, lambda x, aim=aim: x >= aim
     above = 100 * (np.median(again[:, 0]) - 1)
-    yield "new goal on the way: above the free planar optimum, median", "4 %", above, share, lambda x: x <= 4
-    yield "new goal on the way: planning, median", "200 µs", 1e6 * np.median(again[:, 1]), microseconds, lambda x: x <= 200
+    yield f"new goal on the way: above the free planar optimum, median", "4 %", above, share, lambda x: x <= 4
+    yield f"new goal on the way ({len(again)} moves): planning, median", "200 µs", 1e6 * np.median(again[:, 1]), microseconds, lambda x: x <= 200
 
 
-def _excesses(found, least):
-    return [100 * (row.duration / bound - 1) for row, bound in zip(found[OURS], least) if row]
+def _excesses(compared):
+    return [100 * (row.duration / bound - 1) for row, bound in zip(compared.found[OURS], compared.least) if row]
 
 
 def _pairs(results, title, method):
     if title not in results:
         return []
-    found = results[title][0]
+    found = results[title].found
     return [(row, own) for row, own in zip(found[method], found[OURS]) if row and own]
 
 
-def _table(title, found, least):
-    count = len(least)
-    heading = title if count == 1 else f"{title}: {count}"
+def _table(compared):
+    found, least, drawn = compared.found, compared.least, len(compared.pairs)
+    heading = compared.title if drawn == 1 else f"{compared.title}: {len(least)} of {drawn}"
     own = [row for row in found[OURS] if row]
     rows = "".join(_row(method, list(zip(rows, found[OURS], least))) for method, rows in found.items())
     return f"""

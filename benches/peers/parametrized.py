@@ -10,6 +10,7 @@ import toppra.constraint
 
 import motion
 from feasible import halfspaces
+from rig import apply
 
 POINTS = 201  # of toppra's grid
 HALVINGS = 14  # of the acceleration that ruckig gets
@@ -17,22 +18,50 @@ HALVINGS = 14  # of the acceleration that ruckig gets
 toppra.setup_logging("ERROR")
 
 
-def tension_limits(rig, scheme):
-    """For six cables in the tensions themselves, for more in the wrench."""
+class TensionLimits(toppra.constraint.LinearConstraint):
+    """As toppra's `SecondOrderConstraint`, whose function of one point in Python takes most of the time, but of all points at once."""
+
+    def __init__(self, rig, scheme):
+        super().__init__()
+        self.rig, self.dof = rig, 6
+        self.set_discretization_type(scheme)
+
+    def compute_constraint_params(self, path, gridpoints):
+        q, slope, bend = (path(gridpoints, order) for order in range(3))
+        rest = self.rig.other(q, 0 * slope)
+        inertial = self.rig.inertial(q)
+        wrenches = apply(inertial, slope), apply(inertial, bend) + self.rig.other(q, slope) - rest, rest
+        canonical = *self._limited(q, wrenches), None, None
+        if self.discretization_type == toppra.constraint.DiscretizationType.Collocation:
+            return canonical
+        return toppra.constraint.canlinear_colloc_to_interpolate(*canonical, gridpoints)
+
+    def _limited(self, q, wrenches):
+        """Of six cables the tensions themselves, of more the wrenches."""
+        if self.rig.cables > 6:
+            return *wrenches, *halfspaces(self.rig, q)
+        inverse = np.linalg.inv(self.rig.matrix(q))
+        sides = np.tile(np.vstack([np.eye(6), -np.eye(6)]), (len(q), 1, 1))
+        bounds = np.tile(np.repeat([self.rig.greatest, -self.rig.least], 6), (len(q), 1))
+        return *(apply(inverse, wrench) for wrench in wrenches), sides, bounds
+
+
+def a_point_at_a_time(rig, scheme):
+    """toppra's own class, as its documentation has it."""
     if rig.cables == 6:
         sides, bounds = np.vstack([np.eye(6), -np.eye(6)]), np.repeat([rig.greatest, -rig.least], 6)
-        of_pose = (rig.tensions, lambda _: sides, lambda _: bounds)
+        limits = rig.tensions, lambda _: sides, lambda _: bounds
     else:
-        of_pose = (rig.wrench, lambda q: halfspaces(rig, q)[0], lambda q: halfspaces(rig, q)[1])
-    return toppra.constraint.SecondOrderConstraint(*of_pose, 6, discretization_scheme=scheme)
+        limits = rig.wrench, lambda q: halfspaces(rig, q)[0], lambda q: halfspaces(rig, q)[1]
+    return toppra.constraint.SecondOrderConstraint(*limits, 6, discretization_scheme=scheme)
 
 
-def by_toppra(scheme):
+def by_toppra(scheme, limits=TensionLimits):
     def plan(rig, start, goal):
         begun = time.thread_time()
         path = toppra.SplineInterpolator([0, 1], np.array([start, goal]))
         grid = np.linspace(0, 1, POINTS)
-        instance = toppra.algorithm.TOPPRA([tension_limits(rig, scheme)], path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+        instance = toppra.algorithm.TOPPRA([limits(rig, scheme)], path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
         trajectory = instance.compute_trajectory(0, 0)
         planning = time.thread_time() - begun
         if trajectory is None:
@@ -43,6 +72,7 @@ def by_toppra(scheme):
 
 
 interpolation = by_toppra(toppra.constraint.DiscretizationType.Interpolation)
+second_order = by_toppra(toppra.constraint.DiscretizationType.Interpolation, a_point_at_a_time)
 collocation = by_toppra(toppra.constraint.DiscretizationType.Collocation)
 
 

@@ -12,16 +12,17 @@ SHADES = ["#000000", "#0072b2", "#009e73", "#e69f00", "#cc79a7"]
 
 def draw(results, folder):
     matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "benchmarks", "font.size": 9})
-    for name, figure in (("benchmarks", _ratios(results)), ("benchmarks-move", _move(results["The paper's move"][0]))):
+    for name, figure in (("benchmarks", _ratios(results)), ("benchmarks-move", _move(results["The paper's move"].found))):
         figure.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": None})
 
 
 def _ratios(results):
     """Medians of time to the goal and of planning over ours, a row a method, a mark a set of moves; hollow where a motion left the limits."""
-    names = list(dict.fromkeys(name for found, _ in results.values() for name in found))
+    names = list(dict.fromkeys(name for compared in results.values() for name in compared.found))
     figure = Figure((9, 4.6), layout="constrained")
     times, plannings = figure.subplots(1, 2, sharey=True)
-    for shade, mark, (title, (found, _)) in zip(SHADES, MARKS, results.items()):
+    for shade, mark, (title, compared) in zip(SHADES, MARKS, results.items()):
+        found = compared.found
         for name, rows in found.items():
             both = [(row, own) for row, own in zip(rows, found[page.OURS]) if row and own]
             if not both:
@@ -48,7 +49,7 @@ def _move(found):
     """Distance from the goal over time."""
     figure = Figure((9, 3.6), layout="constrained")
     axes = figure.subplots()
-    shades = [*matplotlib.colormaps["tab10"].colors, "#000000"]
+    shades = matplotlib.colormaps["tab20"].colors
     for k, (name, (row,)) in enumerate(found.items()):
         if row:
             few = slice(None, None, len(row.times) // 300 + 1)
