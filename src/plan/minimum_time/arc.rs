@@ -109,6 +109,19 @@ impl Timing {
         Self { arcs, end: self.at(t)[0], duration: t }
     }
 
+    /// And then another; `None` where there is no room for its arcs.
+    pub(super) fn followed_by(mut self, other: &Self) -> Option<Self> {
+        for arc in &other.arcs {
+            self.arcs.try_push(Arc { begin: self.duration + arc.begin, ..*arc }).ok()?;
+        }
+        Some(Self { end: other.end, duration: self.duration + other.duration, ..self })
+    }
+
+    /// Where it begins, m.
+    pub(super) fn start(&self) -> f64 {
+        self.arcs.first().map_or(self.end, |arc| arc.s)
+    }
+
     /// Whether there is no room for an arc.
     pub(super) fn is_full(&self) -> bool {
         self.arcs.is_full()

@@ -9,6 +9,7 @@ pub mod line;
 pub mod path;
 mod planning;
 mod polygon;
+mod smooth;
 mod sum;
 mod track;
 

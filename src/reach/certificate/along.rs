@@ -31,14 +31,16 @@ pub struct Seen {
     range: Range,
     /// Bound of their first derivatives, N/s,
     pub first: f64,
-    /// and of their second, N/s².
+    /// and of their second, N/s²: both of the polynomials that enclose them.
     pub second: f64,
+    /// What the tensions may be off these polynomials, N: of all spans together.
+    pub off: f64,
 }
 
 impl Seen {
     /// Nothing yet.
     pub fn none(rig: &Rig) -> Self {
-        Self { range: Range::none(rig), first: 0.0, second: 0.0 }
+        Self { range: Range::none(rig), first: 0.0, second: 0.0, off: 0.0 }
     }
 
     /// What the tension of a cable changes by at most, N.
@@ -59,6 +61,7 @@ impl Seen {
 
     pub(super) fn include(&mut self, tensions: &[Taylor], half: f64) {
         self.range.include(tensions, 0.0);
+        self.off += tensions.iter().map(|tension| tension.error).fold(0.0, f64::max);
         for tension in tensions {
             let [mut first, mut second] = [0.0; 2];
             for (k, c) in tension.coefficients.iter().enumerate().skip(1) {
@@ -180,7 +183,7 @@ mod tests {
                 section = Section { begin: 0.1, coefficients: [from.0, way(), way(), way()] };
             }
             let beta = if run % 3 == 0 { any(60.0) } else { 0.0 };
-            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), beta };
+            let mut part = || Part { section, s: 0.2 + any(0.2), v: any(2.0), a: any(20.0), beta, jerk: 0.0 };
             let (first, second, duration) = (part(), part(), 0.06 + any(0.05));
             let mut piece = Piece::new(first, duration);
             if run % 4 >= 2 {
@@ -191,7 +194,7 @@ mod tests {
             let margin = (0..=200).map(|k| {
                 let t = piece.duration * f64::from(k) / 200.0;
                 let mut sum = [piece.offset, Coordinates::zeros(), Coordinates::zeros()];
-                for Part { section, s, v, a, beta } in &piece.parts {
+                for Part { section, s, v, a, beta, .. } in &piece.parts {
                     let [s, v, a] = super::super::part::along([*s, *v, *a], *beta, t);
                     let (slope, bend) = (section.slope(s), section.bend(s));
                     let led = [section.pose(s).0, slope * v, slope * a + bend * (v * v)];
