@@ -109,6 +109,16 @@ impl Timing {
         Self { arcs, end: self.at(t)[0], duration: t }
     }
 
+    /// The same motion, so many times as slow.
+    pub(super) fn slowed(mut self, times: f64) -> Self {
+        for Arc { begin, v, a, beta, .. } in &mut self.arcs {
+            (*begin, *v) = (*begin * times, *v / times);
+            (*a, *beta) = (*a / (times * times), *beta / (times * times));
+        }
+        self.duration *= times;
+        self
+    }
+
     /// And then another; `None` where there is no room for its arcs.
     pub(super) fn followed_by(mut self, other: &Self) -> Option<Self> {
         for arc in &other.arcs {

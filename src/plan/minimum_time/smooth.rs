@@ -31,7 +31,7 @@ const ROUNDING: f64 = 1e-9;
 const PARTS: i32 = 1;
 const MANY_PARTS: i32 = 4;
 /// How hard a stop brakes, as shares of the most: the first that keeps the rate.
-const BRAKING: [f64; 4] = [1.0, 0.8, 0.6, 0.4];
+const BRAKING: [f64; 7] = [1.0, 0.8, 0.6, 0.4, 0.25, 0.15, 0.1];
 /// Halvings of the time at which s is at a place.
 const HALVINGS: usize = 50;
 
@@ -174,19 +174,25 @@ impl<'a> Mean<'a> {
         })
     }
 
-    /// The greatest rate of a tension from a time (s) on, N/s: of six cables proved with what was `seen`, of more looked at.
-    fn rate(&self, rig: &Rig, way: &Track, gentle: &Gentle, from: f64, seen: &Seen) -> Option<f64> {
-        if rig.cables.len() > LEAST_CABLES {
-            return self.rate_seen(rig, way, gentle, [from, MANY_PARTS.into()]);
-        }
-        Some(seen.first + 2.0 * seen.off / gentle.apart.max(NEAREST * self.width))
+    /// The same: where nothing else tells it in the end, with more than six cables, once more and more closely.
+    fn rate_looked_at(&self, rig: &Rig, way: &Track, gentle: &Gentle, from: f64) -> Option<f64> {
+        let found = self.rate_seen(rig, way, gentle, [from, PARTS.into()])?;
+        let is_enough = rig.cables.len() == LEAST_CABLES || found > gentle.rate;
+        if is_enough { Some(found) } else { self.rate_seen(rig, way, gentle, [from, MANY_PARTS.into()]) }
+    }
+
+    /// The rate that a proof has shown of six cables, N/s; of more the tensions shown are not those of the law.
+    fn rate_proved(&self, rig: &Rig, gentle: &Gentle, seen: &Seen) -> f64 {
+        let is_shown = rig.cables.len() == LEAST_CABLES;
+        if is_shown { seen.first + 2.0 * seen.off / gentle.apart.max(NEAREST * self.width) } else { 0.0 }
     }
 
     /// Whether it is proved from a time (s) on, with the rate kept.
     fn is_gentle(&self, rig: &Rig, path: &Path, gentle: &Gentle, from: f64, spans: &mut usize) -> bool {
         let mut seen = Seen::none(rig);
-        self.is_proved(rig, path, from, spans, &mut seen)
-            && self.rate(rig, &path.way, gentle, from, &seen).is_some_and(|rate| rate <= gentle.rate)
+        self.rate_looked_at(rig, &path.way, gentle, from).is_some_and(|rate| rate <= gentle.rate)
+            && self.is_proved(rig, path, from, spans, &mut seen)
+            && self.rate_proved(rig, gentle, &seen) <= gentle.rate
     }
 }
 
@@ -196,8 +202,8 @@ impl Path {
     pub fn timed_gently(&self, rig: &Rig, gentle: &Gentle, work: &mut Work) -> Option<(Timing, f64, Seen)> {
         let mut narrowed = narrowed_at_first(rig);
         for _ in 0..TIMINGS {
-            let timing = self.timed_within(rig, narrowed, work)?;
-            if let Some((width, seen)) = self.width(rig, &timing, gentle, work)? {
+            let (timing, least) = self.slowed(rig, self.timed_within(rig, narrowed, work)?, gentle)?;
+            if let Some((width, seen)) = self.width(rig, (&timing, least), gentle, work)? {
                 return Some((timing, width, seen));
             }
             narrowed *= NARROWER;
@@ -205,33 +211,44 @@ impl Path {
         None
     }
 
-    /// The width with which a timing's mean keeps limits and rate. `None` where no width keeps the rate; nothing within that where the limits are not proved to be kept.
+    /// A timing whose tensions jump by J as slow as makes the mean quickest: k times as slow its jumps are J/k², and it takes k T + J/(k² rate) in all. And the width that
+    /// the jumps ask for.
+    fn slowed(&self, rig: &Rig, timing: Timing, gentle: &Gentle) -> Option<(Timing, f64)> {
+        let width = NARROWEST * timing.duration;
+        let jump =
+            width * Mean::new(&timing, width).rate_seen(rig, &self.way, gentle, [0.0, PARTS.into()])?;
+        let times = libm::cbrt(2.0 * jump / (gentle.rate * timing.duration));
+        let times = times.max(1.0);
+        Some((timing.slowed(times), (jump / (times * times * gentle.rate)).max(width)))
+    }
+
+    /// The width, from the least on, with which a timing's mean keeps limits and rate. `None` where no width keeps the rate; nothing within that where the limits are not proved to be kept.
     fn width(
         &self,
         rig: &Rig,
-        timing: &Timing,
+        (timing, least): (&Timing, f64),
         gentle: &Gentle,
         work: &mut Work,
     ) -> Option<Option<(f64, Seen)>> {
-        let (mut width, mut proofs) = (NARROWEST * timing.duration, 0);
+        let (mut width, mut proofs) = (least, 0);
         for _ in 0..WIDTHS {
+            if !(width <= WIDEST * timing.duration) {
+                return None;
+            }
             let mean = Mean::new(timing, width);
-            let mut found = mean.rate_seen(rig, &self.way, gentle, [0.0, PARTS.into()])?;
+            let mut found = mean.rate_looked_at(rig, &self.way, gentle, 0.0)?;
             if found <= gentle.rate && proofs < PROOFS {
                 proofs += 1;
                 let mut seen = Seen::none(rig);
                 if !mean.is_proved(rig, self, 0.0, &mut work.spans, &mut seen) {
                     return Some(None);
                 }
-                found = mean.rate(rig, &self.way, gentle, 0.0, &seen)?;
+                found = mean.rate_proved(rig, gentle, &seen);
                 if found <= gentle.rate {
                     return Some(Some((width, seen)));
                 }
             }
             width *= MORE * found / gentle.rate;
-            if !(width <= WIDEST * timing.duration) {
-                return None;
-            }
         }
         None
     }
@@ -254,5 +271,97 @@ impl Path {
             (stop.duration < timing.duration && mean.is_gentle(rig, self, gentle, time, &mut work.spans))
                 .then_some(stop)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{Coordinates, Pose, RigFile};
+
+    #[test]
+    fn a_mean_is_the_mean_of_the_time_just_past() {
+        let mut timing = Timing::begun_at(0.2);
+        timing.push(0.0, [2.0, 0.0], 1.2, 2.0);
+        timing.push(2.0, [-4.0, 0.0], 1.6, 0.8f64.sqrt());
+        timing.push(0.8f64.sqrt(), [-1.0, 0.0], 2.0, 0.0);
+        for width in [0.01, 0.5, 7.0] {
+            let mean = Mean::new(&timing, width);
+            let parts = 4000;
+            let numeric = |t: f64| {
+                let at = |k: i32| mean.of_all(t - width * (f64::from(k) + 0.5) / f64::from(parts))[0];
+                (0..parts).map(at).sum::<f64>() / f64::from(parts)
+            };
+            for k in 0..=50 {
+                let t = mean.end() * f64::from(k) / 50.0;
+                let [s, v, a] = mean.at(t);
+                assert!((s - numeric(t)).abs() < 1e-6, "{s} {t}");
+                let h = 1e-4 * width;
+                let [before, after] = [mean.at(t - h), mean.at(t + h)];
+                assert!(((after[0] - before[0]) / (2.0 * h) - v).abs() < 1e-3, "{v} at {t}");
+                assert!(((after[1] - before[1]) / (2.0 * h) - a).abs() < 1e-2 / width, "{a} at {t}");
+            }
+            let straight = Track::straight(&Pose::default(), &Pose::at(0.1, 0.0, 1.0));
+            let mut end = 0.0;
+            for Ramp { begin, duration, along: [s, v, a], jerk } in mean.ramps(&straight, 0.0) {
+                assert_eq!(begin, end);
+                end = begin + duration;
+                let reached = s + (v + (0.5 * a + jerk * duration / 6.0) * duration) * duration;
+                assert!((reached - mean.at(end)[0]).abs() < 1e-12, "{reached} at {end}");
+                assert!((a + jerk * duration - mean.at(end)[2]).abs() < 1e-9);
+            }
+            assert!((end - mean.end()).abs() < 1e-12);
+        }
+    }
+
+    /// Straight ways, bent ones and such by way points: tensions and their rates in dense samples, also on stops.
+    #[test]
+    fn what_is_proved_of_a_mean_is_so() {
+        let rig = &RigFile::default().rig.with_limits(crate::robot::TensionLimits { min: 0.5, max: 40.0 });
+        let [start, end] = [Pose::at(-0.1, 0.0, 1.0), Pose(Coordinates::new(0.12, 0.1, 0.9, 0.1, 0.0, 0.2))];
+        let bump = Coordinates::new(0.0, 0.02, -0.05, 0.0, 0.0, 0.0);
+        let ways = [
+            Track::straight(&start, &end),
+            Track::bent(&start, &end, &bump),
+            Track::through(&[start, Pose::at(0.0, 0.08, 0.95), end], 0.3).unwrap(),
+        ];
+        for (way, rate) in ways.iter().flat_map(|way| [(way, 1500.0), (way, 300.0), (way, 20.0)]) {
+            let path = Path { way: way.clone(), limits: rig.limits(), fastest: f64::INFINITY };
+            let gentle = Gentle { rate, apart: 1e-3, margin: 0.0 };
+            let found = path.timed_gently(rig, &gentle, &mut Work::of_a_decision());
+            let (timing, width, _) = found.unwrap();
+            let check = |timing: &Timing, from: f64| {
+                let mean = Mean::new(timing, width);
+                let (mut most, mut before) = (0.0f64, None::<PerCable<f64>>);
+                let step = 1e-3 * (mean.end() - from);
+                for k in 0..=1000 {
+                    let [s, v, a] = mean.at(from + step * f64::from(k));
+                    let led = led(way.section(s), [s, v, a]);
+                    let u = tensions(rig, &led.pose, &led.rates, &led.accelerations, 0.0).unwrap();
+                    assert!(u.iter().all(|u| (0.5..=40.0).contains(u)), "{u:?}");
+                    if let Some(before) = before {
+                        let change = u.iter().zip(&before).map(|(u, before)| (u - before).abs() / step);
+                        most = change.fold(most, f64::max);
+                    }
+                    before = Some(u);
+                }
+                assert!(most <= rate, "{most} {rate}");
+                most
+            };
+            let most = check(&timing, 0.0);
+            assert!(most > 0.9 * rate, "{most} {rate}");
+            let mut stops = 0;
+            for share in [0.1, 0.3, 0.5] {
+                let time = share * timing.duration;
+                if let Some(stop) = path.stop_gently(rig, (&timing, width, &gentle), time) {
+                    check(&stop, time);
+                    let [now, then] = [&timing, &stop].map(|timing| Mean::new(timing, width).at(time));
+                    assert!((0..3).all(|k| (now[k] - then[k]).abs() < 1e-9), "{now:?} {then:?}");
+                    stops += 1;
+                }
+            }
+            println!("{rate} N/s: {:.3} s, {most:.1} N/s, {stops} stops", timing.duration + width);
+            assert!(stops > 0);
+        }
     }
 }
