@@ -143,9 +143,7 @@ fn with_goals(file: &RigFile, turn: f64, setting: Setting, goals: usize) -> (f64
     (watched.share(), reached, longer)
 }
 
-#[test]
-fn goals_that_change_on_the_way_keep_the_rate_too() {
-    let rigs = [(PAPER, 0.0, 10), (PAPER, 0.2, 10), (EIGHT, 0.15, 5)];
+fn check_goals(rigs: &[(&str, f64, usize)]) {
     let settings =
         [(3.0, 1e-3, false), (8.0, 1e-3, true), (3.0, 4e-3, true), (8.0, 4e-3, false), (3.0, 20e-3, false)];
     for (text, turn, goals) in rigs {
@@ -153,7 +151,7 @@ fn goals_that_change_on_the_way_keep_the_rate_too() {
         for (k, (gain, step, is_late)) in settings.into_iter().enumerate() {
             let rate = [12.0, 30.0][k % 2] * file.rig.weight();
             let setting = Setting { gain, step, is_late, rate };
-            let (share, reached, longer) = with_goals(&file, turn, setting, goals);
+            let (share, reached, longer) = with_goals(&file, *turn, setting, *goals);
             println!(
                 "{}, turned by {turn}, {setting:?}: {share:.4} of the rate, {reached:?} reached, motions up to {:.0} % longer",
                 file.name,
@@ -162,6 +160,27 @@ fn goals_that_change_on_the_way_keep_the_rate_too() {
             assert!(share <= 1.0 && reached[0] == reached[1], "{share} {reached:?}");
         }
     }
+}
+
+#[test]
+fn goals_that_change_on_the_way_keep_the_rate_too() {
+    check_goals(&[(PAPER, 0.2, 4)]);
+}
+
+#[test]
+#[ignore = "takes long: cargo verify --all"]
+fn many_goals_that_change_on_the_way_keep_the_rate_too() {
+    check_goals(&[(PAPER, 0.0, 10), (PAPER, 0.2, 10), (EIGHT, 0.15, 5)]);
+}
+
+/// At rest in the middle of a symmetric rig nothing was proved: of tensions as far inside the limits as can be there is one choice only, and rounding did not find it.
+#[test]
+fn a_symmetric_rig_sets_out_from_its_middle() {
+    let file = RigFile::parse(EIGHT).unwrap();
+    let setting = Setting { gain: 3.0, step: 1e-3, is_late: false, rate: 1000.0 };
+    let goal = Pose(file.home.0 + Coordinates::new(0.15, 0.15, 0.0, 0.0, 0.0, 0.1));
+    let planner = Planner::from(parameters(&file.rig, setting));
+    assert!(planner.course_from_rest(&file.home, &goal).is_some());
 }
 
 /// The pose is lost on the way.
