@@ -168,7 +168,7 @@ fn goals_that_change_on_the_way_keep_the_rate_too() {
 }
 
 #[test]
-#[ignore = "takes long: cargo verify --all"]
+#[ignore = "takes long: cargo test --test library many_goals -- --ignored"]
 fn many_goals_that_change_on_the_way_keep_the_rate_too() {
     check_goals(&[(PAPER, 0.0, 10), (PAPER, 0.2, 10), (EIGHT, 0.15, 5)]);
 }
