@@ -18,7 +18,7 @@ CONTROLLER = {
     + pose_names("referenceVelocity") + pose_names("referenceAcceleration"),
     "parameter": "a b m I1 I2 I3 g lambda eta plannerPeriod bisectionSteps minTension maxTension planner poseSource "
     "forceLoop positionTolerance angleTolerance holdCompensation commandDelay observerBound accuracy "
-    "massTolerance encoderResolution disturbanceBound maxSpeed maxAngularRate maxCableSpeed lift largestStep plannerNumber poseSourceNumber".split(),
+    "massTolerance encoderResolution disturbanceBound maxSpeed maxAngularRate maxCableSpeed maxTensionRate lift largestStep plannerNumber poseSourceNumber".split(),
 }
 PLANT = {
     "input": cable_names("motorTension") + [f"disturbance{kind}.{axis}" for kind in ("Force", "Torque") for axis in "xyz"],

@@ -211,6 +211,9 @@ pub struct ControllerParameters {
     /// Greatest speed of a cable, m/s; 0 for no limit.
     #[serde(default)]
     pub max_cable_speed: f64,
+    /// Greatest rate of a cable's commanded tension on the way, N/s; 0 for no limit. `MinimumTime` alone heeds it: a step of the other planners is a jump of the tensions.
+    #[serde(default)]
+    pub max_tension_rate: f64,
     /// By how much, m, the platform may rise above the straight way to be quicker; 0: not at all. `MinimumTime` alone heeds it.
     #[serde(default)]
     pub lift: f64,
@@ -294,6 +297,7 @@ impl Default for ControllerParameters {
             max_speed: 0.0,
             max_angular_rate: 0.0,
             max_cable_speed: 0.0,
+            max_tension_rate: 0.0,
             lift: 0.0,
             largest_step: 0.0,
         }
@@ -495,9 +499,11 @@ impl ControllerParameters {
             require(value.is_finite() && value >= 0.0, name, value, "must be finite and 0 or greater")?;
         }
         let allowed =
-            "must be 0 (m), or finite and greater with the planner MinimumTime (3), which alone heeds it";
-        let heeds = self.planner == PlannerKind::MinimumTime && self.lift.is_finite() && self.lift > 0.0;
-        require(self.lift == 0.0 || heeds, "lift", self.lift, allowed)?;
+            "must be 0, or finite and greater with the planner MinimumTime (3), which alone heeds it";
+        for (name, value) in [("lift", self.lift), ("maxTensionRate", self.max_tension_rate)] {
+            let heeds = self.planner == PlannerKind::MinimumTime && value.is_finite() && value > 0.0;
+            require(value == 0.0 || heeds, name, value, allowed)?;
+        }
         let bound = self.observer_bound;
         let allowed = "must be from 0 to 1 (share of the weight)";
         require((0.0..=1.0).contains(&bound), "observerBound", bound, allowed)?;

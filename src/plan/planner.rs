@@ -145,6 +145,14 @@ impl Planner {
         self.next_set_point(&self.at_rest(from, &Coordinates::zeros()), goal)
     }
 
+    /// Whether there is a set point to give to a robot that rests at `from` but for `maxTensionRate`.
+    pub fn is_kept_by_rate(&self, from: &Pose, goal: &Pose) -> bool {
+        let free = ControllerParameters { max_tension_rate: 0.0, ..self.parameters };
+        self.parameters.max_tension_rate > 0.0
+            && self.next_from_rest(from, goal).is_none()
+            && Self::from(free).next_from_rest(from, goal).is_some()
+    }
+
     /// The course that `MinimumTime` takes from rest at `from` to `goal`, or as far as is proved, begun at 0 s; `None` where there is none, and of other planners.
     pub fn course_from_rest(&self, from: &Pose, goal: &Pose) -> Option<Course> {
         let is_meant = self.parameters.planner == PlannerKind::MinimumTime;

@@ -51,6 +51,8 @@ pub struct Obstacle {
     pub is_tight: bool,
     /// Whether, with no barrier, the tensions on that way become so large that the platform cannot be held ([`Planner::is_firm`]).
     pub is_loose: bool,
+    /// Whether `maxTensionRate` is too small for a motion on from the last set point ([`Planner::is_kept_by_rate`]).
+    pub is_kept_by_rate: bool,
 }
 
 /// No plan can be made.
@@ -110,6 +112,7 @@ impl Sequence {
                 is_tight: is_any(parameters, &nearest_or_last, &goal, |planner, at| {
                     planner.margin_at(at) <= 2.0 * planner.allowance()
                 }),
+                is_kept_by_rate: Planner::from(*parameters).is_kept_by_rate(&at, &aim),
                 is_loose: is_any(parameters, &nearest_or_last, &goal, |planner, at| !planner.is_firm(at)),
             })
         };

@@ -25,6 +25,8 @@ pub struct Tuning {
     pub max_angular_rate: f64,
     /// m/s.
     pub max_cable_speed: f64,
+    /// N/s.
+    pub max_tension_rate: f64,
     /// Of each cable, N.
     pub limits: PerCable<TensionLimits>,
 }
@@ -57,6 +59,7 @@ impl ControllerParameters {
             max_speed: tuning.max_speed,
             max_angular_rate: tuning.max_angular_rate,
             max_cable_speed: tuning.max_cable_speed,
+            max_tension_rate: tuning.max_tension_rate,
             ..*self
         };
         for (cable, limits) in parameters.rig.cables.iter_mut().zip(&tuning.limits) {
@@ -82,6 +85,7 @@ impl ControllerParameters {
             max_speed: self.max_speed,
             max_angular_rate: self.max_angular_rate,
             max_cable_speed: self.max_cable_speed,
+            max_tension_rate: self.max_tension_rate,
             limits: self.rig.limits(),
         }
     }

@@ -137,6 +137,7 @@ impl ScenarioFile {
             max_speed: or(&given.max_speed, base.max_speed),
             max_angular_rate: or(&given.max_angular_rate, base.max_angular_rate),
             max_cable_speed: or(&given.max_cable_speed, base.max_cable_speed),
+            max_tension_rate: or(&given.max_tension_rate, base.max_tension_rate),
             lift: or(&given.lift, base.lift),
             ..base
         }
@@ -289,6 +290,7 @@ impl ScenarioFile {
             "maxSpeed" => ("controller.max_speed", start_of(&controller.max_speed)),
             "maxAngularRate" => ("controller.max_angular_rate", start_of(&controller.max_angular_rate)),
             "maxCableSpeed" => ("controller.max_cable_speed", start_of(&controller.max_cable_speed)),
+            "maxTensionRate" => ("controller.max_tension_rate", start_of(&controller.max_tension_rate)),
             "lift" => ("controller.lift", start_of(&controller.lift)),
             "bisectionSteps" => ("controller.bisection_steps", start_of(&controller.bisection_steps)),
             "minTension" => ("controller.min_tension", least),

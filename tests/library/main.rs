@@ -24,6 +24,7 @@ mod random_rigs;
 mod recognised_rigs;
 mod speeds;
 mod stops;
+mod tension_rate;
 mod tuning;
 mod way_points;
 mod worst_case;

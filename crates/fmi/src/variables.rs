@@ -157,6 +157,8 @@ pub mod units {
     pub const METRE_PER_SECOND: Unit = unit("Velocity", "m/s", &[("m", 1), ("s", -1)]);
     /// Acceleration.
     pub const METRE_PER_SECOND2: Unit = unit("Acceleration", "m/s2", &[("m", 1), ("s", -2)]);
+    /// Rate of a force.
+    pub const NEWTON_PER_SECOND: Unit = unit("ForceRate", "N/s", &[("kg", 1), ("m", 1), ("s", -3)]);
     /// Angle.
     pub const RADIAN: Unit = Unit { display: Some(("deg", DEGREES)), ..unit("Angle", "rad", &[("rad", 1)]) };
     /// Angular speed.

@@ -152,6 +152,7 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
     }
     let rig = &history.info.controller_parameters.rig;
     let (goal, nearest) = (history.goal.last()?, history.set_point.last()?);
+    let planner = Planner::from(history.info.controller_parameters);
     let why = match barrier(rig, goal) {
         Some(Barrier { cable, limit, is_greatest: true }) => {
             format!("at rest at the goal cable {cable} would pull more than its {limit} N")
@@ -162,7 +163,11 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
         Some(Barrier { cable, limit, .. }) => {
             format!("at rest at the goal cable {cable} would pull less than its {limit} N")
         }
-        None if !Planner::from(history.info.controller_parameters).is_firm(goal) => {
+        None if planner.is_kept_by_rate(nearest, goal) => {
+            let rate = history.info.controller_parameters.max_tension_rate;
+            format!("maxTensionRate = {rate} N/s is too small for a motion to it")
+        }
+        None if !planner.is_firm(goal) => {
             "at rest at the goal the tensions would be too large for the platform's inertia to be held there"
                 .to_owned()
         }

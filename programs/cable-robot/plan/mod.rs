@@ -37,6 +37,9 @@ pub struct Plan {
     /// By how much the platform may rise above the straight way to be quicker, m (planner minimum-time)
     #[arg(long, default_value_t = 0.0)]
     lift: f64,
+    /// Greatest rate of a tension, N/s, 0 for no limit (planner minimum-time)
+    #[arg(long, default_value_t = 0.0, value_name = "RATE")]
+    max_tension_rate: f64,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -51,7 +54,7 @@ impl Plan {
         );
         let planner = if self.through.is_empty() { self.planner } else { fastest };
         let (_, mut parameters) = self.rig.read_with_controller(planner)?;
-        parameters.lift = self.lift;
+        (parameters.lift, parameters.max_tension_rate) = (self.lift, self.max_tension_rate);
         parameters.validate()?;
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;

@@ -101,6 +101,13 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 let _ = writeln!(text, "  and is worst with {}", described(worst));
             }
         }
+        _ if obstacle.is_kept_by_rate => {
+            let rate = parameters.max_tension_rate;
+            let _ = writeln!(
+                text,
+                "  maxTensionRate = {rate} N/s is too small for a motion on from there: 0 limits no rate"
+            );
+        }
         _ if obstacle.barrier.is_some() || is_steep || is_of_bounded => {}
         _ => {
             let why = match parameters.planner {
@@ -142,6 +149,7 @@ pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameter
     let obstacle = planned.obstacle.as_ref().map(|obstacle| {
         json!({
             "goalSingular": obstacle.singular,
+            "keptByMaxTensionRate": obstacle.is_kept_by_rate,
             "firstOutside": obstacle.broken.and_then(|broken| broken.first_outside).map(|u| tension(&u)),
             "smallest": obstacle.broken.map(|broken| tension(&broken.smallest)),
             "greatest": obstacle.broken.map(|broken| tension(&broken.greatest)),

@@ -121,6 +121,29 @@ impl Timing {
         Self { arcs, end: self.at(t)[0], duration: t }
     }
 
+    /// The same motion, so many times as slow.
+    pub(super) fn slowed(mut self, times: f64) -> Self {
+        for Arc { begin, v, a, beta, .. } in &mut self.arcs {
+            (*begin, *v) = (*begin * times, *v / times);
+            (*a, *beta) = (*a / (times * times), *beta / (times * times));
+        }
+        self.duration *= times;
+        self
+    }
+
+    /// And then another; `None` where there is no room for its arcs.
+    pub(super) fn followed_by(mut self, other: &Self) -> Option<Self> {
+        for arc in &other.arcs {
+            self.arcs.try_push(Arc { begin: self.duration + arc.begin, ..*arc }).ok()?;
+        }
+        Some(Self { end: other.end, duration: self.duration + other.duration, ..self })
+    }
+
+    /// Where it begins, m.
+    pub(super) fn start(&self) -> f64 {
+        self.arcs.first().map_or(self.end, |arc| arc.s)
+    }
+
     /// Whether there is no room for an arc.
     pub(super) fn is_full(&self) -> bool {
         self.arcs.is_full()

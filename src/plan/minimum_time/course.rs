@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::arc::{Along, Timing};
 use super::line::Line;
 use super::path::Path;
+use super::smooth::{Gentle, Mean, Ramp};
 use super::sum;
 use crate::control::Reference;
 use crate::reach::certificate::along::MOST_PARTS;
@@ -29,6 +30,14 @@ impl Way {
         match self {
             Self::Line(line, section) => line.is_sound() && section.is_sound(),
             Self::Path(path) => path.is_sound(cables),
+        }
+    }
+
+    /// As one of any rig.
+    fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Line(..) => None,
+            Self::Path(path) => Some(path),
         }
     }
 
@@ -68,6 +77,8 @@ pub struct Leg {
     pub(super) held: f64,
     /// What it leaves to the limits, N.
     pub(super) kept: f64,
+    /// What is asked of the tensions' rates, and over which time (s) s is averaged for that: along a path only.
+    pub(super) gentle: Option<(Gentle, f64)>,
 }
 
 impl Leg {
@@ -77,11 +88,17 @@ impl Leg {
             && self.begin.is_finite()
             && !self.held.is_nan()
             && !self.kept.is_nan()
+            && self.gentle.is_none_or(|(gentle, width)| gentle.is_sound() && width.is_finite() && width > 0.0)
     }
 
     /// When it ends, s.
     pub(super) fn end(&self) -> f64 {
-        self.begin + self.timing.duration
+        self.begin + self.mean().map_or(self.timing.duration, |mean| mean.end())
+    }
+
+    /// What it is, where s is averaged.
+    fn mean(&self) -> Option<Mean<'_>> {
+        self.gentle.map(|(_, width)| Mean::new(&self.timing, width))
     }
 
     /// Where it ends.
@@ -90,7 +107,8 @@ impl Leg {
     }
 
     pub(super) fn at(&self, time: f64) -> Reference {
-        let along = self.timing.at(time - self.begin);
+        let t = time - self.begin;
+        let along = self.mean().map_or_else(|| self.timing.at(t), |mean| mean.at(t));
         led(self.way.section(along[0]), along)
     }
 
@@ -102,7 +120,7 @@ impl Leg {
             .spans()
             .find(|(arc, duration)| (arc.begin..arc.begin + duration).contains(&instant))?;
         let [s, v, a] = arc.at(from - self.begin - arc.begin);
-        Some(Part { section: *self.way.section(arc.s), s, v, a, beta: arc.beta })
+        Some(Part { section: *self.way.section(arc.s), s, v, a, beta: arc.beta, jerk: 0.0 })
     }
 
     /// When its arcs begin and end, s.
@@ -110,16 +128,40 @@ impl Leg {
         self.timing.arcs().iter().map(|arc| arc.begin).chain([self.timing.duration]).map(|t| self.begin + t)
     }
 
-    /// Both ends of every arc, with their times, s.
+    /// Both ends of every arc, or of every ramp, with their times, s.
     fn arcs(&self) -> impl Iterator<Item = [(f64, Reference); 2]> {
-        self.timing.spans().map(|(arc, duration)| {
+        let arcs = self.timing.spans().map(|(arc, duration)| {
             let section = self.way.section(arc.s);
             [0.0, duration].map(|t| (self.begin + arc.begin + t, led(section, arc.at(t))))
-        })
+        });
+        let ramps = self.mean().zip(self.way.path()).map(|(mean, path)| {
+            mean.ramps(&path.way, 0.0).map(move |Ramp { begin, duration, .. }| {
+                let section = path.way.section(mean.at(begin + 0.5 * duration)[0]);
+                [begin, begin + duration].map(|t| (self.begin + t, led(section, mean.at(t))))
+            })
+        });
+        arcs.take_while(|_| self.gentle.is_none()).chain(ramps.into_iter().flatten())
+    }
+
+    /// When it passes where sections join, s.
+    fn passes(&self) -> impl Iterator<Item = f64> {
+        let arcs = self.way.joints().filter_map(|joint| {
+            let arc = self.timing.arcs().iter().find(|arc| arc.s == joint)?;
+            Some(arc.begin)
+        });
+        let mean = self.mean().zip(self.way.path()).map(|(mean, path)| mean.crossings(&path.way));
+        let instants = arcs.take_while(|_| self.gentle.is_none()).chain(mean.into_iter().flatten());
+        instants.map(|instant| self.begin + instant)
     }
 
     /// The stop that begins at a time (s) on it: where it rests, rest; where none is proved that ends before it does, itself.
     fn stop(&self, rig: &Rig, time: f64) -> Self {
+        if let (Some((gentle, width)), Some(path)) = (self.gentle, self.way.path())
+            && time > self.begin
+        {
+            let stop = path.stop_gently(rig, (&self.timing, width, &gentle), time - self.begin);
+            return stop.map_or_else(|| self.clone(), |timing| Self { timing, ..self.clone() });
+        }
         let [s, v, _] = self.timing.at(time - self.begin);
         let stop = if v > 0.0 { self.way.stop(rig, s, v) } else { Some(Timing::begun_at(s)) };
         match stop {
@@ -185,12 +227,7 @@ impl Course {
 
     /// When it passes the way points of its last leg, s.
     pub fn passes(&self) -> impl Iterator<Item = f64> {
-        self.legs.last().into_iter().flat_map(|leg| {
-            leg.way.joints().filter_map(|joint| {
-                let arc = leg.timing.arcs().iter().find(|arc| arc.s == joint)?;
-                Some(leg.begin + arc.begin)
-            })
-        })
+        self.legs.last().into_iter().flat_map(Leg::passes)
     }
 
     /// Where it leads the robot at a time, s.

@@ -10,6 +10,7 @@ pub mod path;
 mod pieces;
 mod planning;
 mod polygon;
+mod smooth;
 mod sum;
 mod track;
 

@@ -79,11 +79,7 @@ impl Path {
     /// The fastest motion from rest to rest, and what was seen of its tensions. `None` where none is found and proved with the `work` that is left, and where the
     /// platform cannot rest somewhere on the way.
     pub fn timed(&self, rig: &Rig, work: &mut Work) -> Option<(Timing, Seen)> {
-        let is_sensible = |k: usize| {
-            let pose = self.pose(place(k));
-            rig.can_be_at(&pose) && pose.0[PITCH].abs() < STEEPEST
-        };
-        if !(0..=INTERVALS).all(is_sensible) {
+        if !self.is_sensible(rig) {
             return None;
         }
         let mut narrowed = [narrowed_at_first(rig); INTERVALS + 1];
@@ -103,13 +99,33 @@ impl Path {
         None
     }
 
+    /// The same with the limits narrowed by as much everywhere (N), before anything is proved.
+    pub(super) fn timed_within(&self, rig: &Rig, narrowed: f64, work: &mut Work) -> Option<Timing> {
+        work.timings = work.timings.checked_sub(1)?;
+        self.is_sensible(rig).then(|| self.fastest(rig, &[narrowed; INTERVALS + 1]))?
+    }
+
+    fn is_sensible(&self, rig: &Rig) -> bool {
+        (0..=INTERVALS).all(|k| {
+            let pose = self.pose(place(k));
+            rig.can_be_at(&pose) && pose.0[PITCH].abs() < STEEPEST
+        })
+    }
+
     /// The stop as soon as can be from the place `s` with the speed `v` (1/s) on; `None` where none is proved, as where the motion brakes as hard as it can already.
     pub fn stop(&self, rig: &Rig, s: f64, v: f64) -> Option<Timing> {
         self.stop_in_steps(rig, [s, v], 1)
     }
 
     /// The same in steps of so many places of the grid; on a way of one section.
-    pub fn stop_in_steps(&self, rig: &Rig, [s, v]: [f64; 2], step: usize) -> Option<Timing> {
+    pub fn stop_in_steps(&self, rig: &Rig, from: [f64; 2], step: usize) -> Option<Timing> {
+        let timing = self.braking(rig, from, step, 1.0)?;
+        let failed = self.not_proved(rig, &timing, &mut { MOST_SPANS }, &mut Seen::none(rig));
+        (failed == [false; MOST_ARCS]).then_some(timing)
+    }
+
+    /// The stop before anything is proved, braking by a `share` of the most.
+    pub(super) fn braking(&self, rig: &Rig, [s, v]: [f64; 2], step: usize, share: f64) -> Option<Timing> {
         let narrowed = narrowed_at_first(rig);
         let mut timing = Timing::begun_at(s);
         let s = s.max(0.0);
@@ -118,7 +134,8 @@ impl Path {
         for k in (first..=INTERVALS).filter(|k| k % step == 0) {
             let ds = place(k) - timing.end;
             // Before the next place, where it can.
-            let [least, _] = here.between(x.min(here.highest()?))?;
+            let hard = |[least, greatest]: [f64; 2]| (share * least).max(least).min(greatest);
+            let least = hard(here.between(x.min(here.highest()?))?);
             if x + 2.0 * ds * least <= 0.0 {
                 timing.push(x.sqrt(), [least, 0.0], timing.end - 0.5 * x / least, 0.0);
                 x = 0.0;
@@ -126,15 +143,13 @@ impl Path {
             }
             let next = self.polygon(rig, place(k), narrowed);
             here.clip_to_reach(&next, ds);
-            let [least, _] = here.between(x.min(here.highest()?))?;
+            let least = hard(here.between(x.min(here.highest()?))?);
             let after = (x + 2.0 * ds * least).max(0.0);
             timing.push(x.sqrt(), [(after - x) / (2.0 * ds), 0.0], place(k), after.sqrt());
             (here, x) = (next, after);
         }
-        let mut spans = MOST_SPANS;
-        let failed = self.not_proved(rig, &timing, &mut spans, &mut Seen::none(rig));
         let is_held = x == 0.0 && self.polygon(rig, timing.end, narrowed).has_rest();
-        (is_held && failed == [false; MOST_ARCS]).then_some(timing)
+        is_held.then_some(timing)
     }
 
     fn pose(&self, s: f64) -> Pose {
@@ -203,7 +218,10 @@ impl Path {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
             let section = *self.way.section(arc.s);
-            let piece = Piece::new(Part { section, s: arc.s, v: arc.v, a: arc.a, beta: arc.beta }, duration);
+            let piece = Piece::new(
+                Part { section, s: arc.s, v: arc.v, a: arc.a, beta: arc.beta, jerk: 0.0 },
+                duration,
+            );
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed

@@ -7,6 +7,7 @@ use super::course::{self, Course, Leg};
 use super::holding::cost_of_holding;
 use super::line::Line;
 use super::path::{Path, Work, narrowed_at_first};
+use super::smooth::Gentle;
 use super::sum::Sum;
 use super::track::{MOST_SECTIONS, Track};
 use crate::control::{Sensitivity, static_tensions};
@@ -42,6 +43,8 @@ struct Timed {
     greatest: f64,
     /// What else is left to the limits, N.
     disturbed: f64,
+    /// As of a [`Leg`].
+    gentle: Option<(Gentle, f64)>,
 }
 
 /// What a motion must leave to the limits, N.
@@ -125,8 +128,9 @@ impl Planner {
         (begin, after): (f64, &Leg),
         goal: &Pose,
     ) -> Option<Course> {
-        // What the sum's speed is, nothing says; and with more cables it takes too long to find.
-        if self.greatest_speed(1.0, 1.0).is_finite() || self.rig().cables.len() > LEAST_CABLES {
+        // What the sum's speed is, and how fast its tensions change, nothing says; and with more cables it takes too long to find.
+        let is_limited = self.greatest_speed(1.0, 1.0).is_finite() || self.parameters.max_tension_rate > 0.0;
+        if is_limited || self.rig().cables.len() > LEAST_CABLES {
             return None;
         }
         let bases = [course.stopped_in_steps(self.rig(), begin), course.going_on(begin)];
@@ -162,7 +166,7 @@ impl Planner {
         let way = course::Way::Path(path);
         let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()])
             + self.cost_of_switches(&way, &timing, now.hold)?;
-        let leg = Leg { way, timing, begin, held, kept };
+        let leg = Leg { way, timing, begin, held, kept, gentle: None };
         margins.are_kept(kept, held, seen.greatest()).then(|| base.and(leg, goal))?
     }
 
@@ -237,11 +241,13 @@ impl Planner {
         let spare = self.allowance().max(BETWEEN * margins.of_error);
         let mut kept = margins.kept(spare, margins.at_rest);
         for _ in 0..PLANS {
-            let Timed { way, timing, held, greatest, disturbed } =
+            let Timed { way, timing, held, greatest, disturbed, gentle } =
                 self.timed((&places[0], last), path, kept, now.hold, work)?;
-            let held = held + self.cost_of_switches(&way, &timing, now.hold)?;
+            // A ramp of s'' changes it in a step by what a step is of its width.
+            let switched = gentle.map_or(1.0, |(_, width)| (now.hold / width).min(1.0));
+            let held = held + switched * self.cost_of_switches(&way, &timing, now.hold)?;
             if margins.are_kept(kept, held, greatest) {
-                return Some(Leg { way, timing, begin, held, kept: kept + disturbed });
+                return Some(Leg { way, timing, begin, held, kept: kept + disturbed, gentle });
             }
             kept = margins.kept(MORE * margins.spare(held, greatest), greatest);
         }
@@ -273,6 +279,11 @@ impl Planner {
     ) -> Option<Timed> {
         let is_line =
             |shape: &Shape| path.way.is_straight() && is_level(shape, ends.0) && is_level(shape, ends.1);
+        let rate = self.parameters.max_tension_rate;
+        if rate > 0.0 {
+            let path = Path { limits: self.limits(spare), ..path.clone() };
+            return self.gently_along(path, self.gentle(rate, hold), hold, work);
+        }
         // What is not known is reckoned about what the observer has found of it, which no line has in it.
         let shape = self.shape.filter(is_line).filter(|_| self.parameters.is_uncertain().is_none());
         let in_closed_form = shape.and_then(|shape| self.along_a_line(&shape, ends, spare, hold));
@@ -299,7 +310,8 @@ impl Planner {
         let [change, greatest] = line.extent(&timing);
         let held = self.cost_of(hold, [first, second, change]);
         let section = Section::straight(from, &(to.minus(from) / line.length()));
-        Some(Timed { way: course::Way::Line(line, section), timing, held, greatest, disturbed })
+        let way = course::Way::Line(line, section);
+        Some(Timed { way, timing, held, greatest, disturbed, gentle: None })
     }
 
     /// A way of any rig, with the least that is left to the limits.
@@ -331,7 +343,29 @@ impl Planner {
     fn along_a_path(&self, path: Path, hold: f64, work: &mut Work) -> Option<Timed> {
         let (timing, seen) = path.timed(self.rig(), work)?;
         let held = self.cost_of(hold, [seen.first, seen.second, seen.change()]);
-        Some(Timed { way: course::Way::Path(path), timing, held, greatest: seen.greatest(), disturbed: 0.0 })
+        let (way, greatest) = (course::Way::Path(path), seen.greatest());
+        Some(Timed { way, timing, held, greatest, disturbed: 0.0, gentle: None })
+    }
+
+    /// The same with tensions that change no faster than they may. What they change by within a step takes the place of their jumps.
+    fn gently_along(&self, path: Path, gentle: Gentle, hold: f64, work: &mut Work) -> Option<Timed> {
+        let (timing, width, seen) = path.timed_gently(self.rig(), &gentle, work)?;
+        let jump = seen.change().min(seen.first * hold);
+        let held = self.cost_of(hold, [seen.first, seen.second, jump]);
+        let (way, greatest) = (course::Way::Path(path), seen.greatest());
+        Some(Timed { way, timing, held, greatest, disturbed: 0.0, gentle: Some((gentle, width)) })
+    }
+
+    /// What is asked of a reference so that commands held for `hold` (s) change no faster than at `rate` (N/s), with what the law adds to take back what holding displaces.
+    fn gentle(&self, rate: f64, hold: f64) -> Gentle {
+        let (parameters, gains) = (&self.parameters, self.parameters.gains());
+        let late = hold + parameters.command_delay;
+        let of_law = if parameters.hold_compensation {
+            gains.omega_n_squared() * hold * late / 4.0
+        } else {
+            (gains.lambda + gains.eta) * late
+        };
+        Gentle { rate: rate / (1.0 + of_law), apart: hold, margin: self.allowance() }
     }
 
     /// The greatest tension at rest, N.

@@ -3,7 +3,7 @@
 use super::section::Section;
 use super::taylor::{LIBRARY, ORDER, Taylor};
 
-/// q = `section`(s) with s'' = `a` + `beta` (s(t) - `s`).
+/// q = `section`(s) with s'' = `a` + `beta` (s(t) - `s`) + `jerk` t, one of the last two 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Of the way.
@@ -16,6 +16,8 @@ pub struct Part {
     pub a: f64,
     /// 1/s².
     pub beta: f64,
+    /// 1/s³.
+    pub jerk: f64,
 }
 
 /// s, s' and s'' `t` seconds after they were s₀, v₀ and a₀, where s'' = a₀ + β (s - s₀).
@@ -41,21 +43,27 @@ fn over(sine: f64, x: f64) -> f64 {
 impl Part {
     /// The coordinates, their rates and their accelerations within `half` s of an instant `middle` s after its beginning.
     pub(super) fn led(&self, middle: f64, half: f64) -> [[Taylor; 3]; 6] {
-        let Self { section, s, v, a, beta } = *self;
-        let here = along([s, v, a], beta, middle);
+        let Self { section, s, v, a, beta, jerk } = *self;
+        let mut here = along([s, v, a], beta, middle);
+        let grown = jerk * middle;
+        here[0] += grown * middle * middle / 6.0;
+        here[1] += 0.5 * grown * middle;
+        here[2] += grown;
         // Of the few products and functions in it, none greater than cosh.
         let most = libm::cosh(beta.abs().sqrt() * middle.abs()) * (1.0 + 4.0 * LIBRARY);
         let rounding = if beta == 0.0 { 8.0 * f64::EPSILON } else { 32.0 * (f64::EPSILON + LIBRARY) * most };
-        let moved = (v * middle).abs() + (a * middle * middle).abs();
+        let changed = (a * middle).abs() + (grown * middle).abs();
+        let moved = (v * middle).abs() + (changed * middle).abs();
         let errors = [
             rounding * (s.abs() + moved),
-            rounding * (v.abs() + (a * middle).abs()),
-            rounding * (a.abs() + beta.abs() * moved),
+            rounding * (v.abs() + changed),
+            rounding * (a.abs() + grown.abs() + beta.abs() * moved),
         ];
-        // s''' = β s': each derivative is β times the last but one.
+        // s''' = β s' or the jerk: from there on each derivative is β times the last but one.
         let mut derivatives = [0.0; ORDER + 2];
         (derivatives[0], derivatives[1]) = (here[1], here[2]);
         (2..ORDER + 2).for_each(|n| derivatives[n] = beta * derivatives[n - 2]);
+        derivatives[2] += jerk;
         let growth = libm::cosh(beta.abs().sqrt() * half) * (1.0 + 4.0 * LIBRARY);
         let [place, rate, acceleration] = [0, 1, 2].map(|order| {
             let mut taylor = Taylor::ball(here[order], errors[order]);
@@ -85,13 +93,17 @@ mod tests {
     #[test]
     fn a_part_is_within_what_encloses_it() {
         let section = Section::straight(&Pose(Coordinates::zeros()), &Coordinates::repeat(1.0));
-        for beta in [-300.0, -40.0, -1e-3, 0.0, 1e-3, 40.0, 300.0] {
-            let part = Part { section, s: 0.3, v: 0.7, a: -3.0, beta };
+        let laws = [-300.0, -40.0, -1e-3, 0.0, 1e-3, 40.0, 300.0].map(|beta| (beta, 0.0));
+        for (beta, jerk) in laws.into_iter().chain([(0.0, 90.0), (0.0, -1000.0)]) {
+            let part = Part { section, s: 0.3, v: 0.7, a: -3.0, beta, jerk };
             for (middle, half) in [(0.02, 0.02), (0.1, 0.05), (0.2, 0.005)] {
                 let led = part.led(middle, half)[0];
                 for k in -50..=50 {
                     let tau = f64::from(k) / 50.0;
-                    let exact = along([0.3, 0.7, -3.0], beta, middle + half * tau);
+                    let t = middle + half * tau;
+                    let mut exact = along([0.3, 0.7, -3.0], beta, t);
+                    let of_jerk = [jerk * t * t * t / 6.0, jerk * t * t / 2.0, jerk * t];
+                    (0..3).for_each(|order| exact[order] += of_jerk[order]);
                     for (taylor, exact) in led.iter().zip(exact) {
                         let polynomial = taylor.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c);
                         assert!((polynomial - exact).abs() <= taylor.error + 1e-14 * exact.abs());

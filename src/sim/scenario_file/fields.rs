@@ -200,6 +200,9 @@ pub struct Controller {
     /// Greatest speed of a cable, m/s: 0 (no limit) or greater; 0 if left out. `exact` heeds it.
     #[schemars(with = "f64", default, extend("minimum" = 0))]
     pub max_cable_speed: Option<Spanned<f64>>,
+    /// Greatest rate of a cable's commanded tension on the way, N/s: 0 (no limit) or greater; 0 if left out. `minimum-time` alone heeds it.
+    #[schemars(with = "f64", default, extend("minimum" = 0))]
+    pub max_tension_rate: Option<Spanned<f64>>,
     /// By how much the platform may rise above the straight way to be quicker, m: 0 (not at all) or greater; 0 if left out. `minimum-time` alone heeds it.
     #[schemars(with = "f64", default, extend("minimum" = 0))]
     pub lift: Option<Spanned<f64>>,

@@ -55,6 +55,7 @@ impl ScenarioFile {
             ("controller.max_speed", start_of(&controller.max_speed)),
             ("controller.max_angular_rate", start_of(&controller.max_angular_rate)),
             ("controller.max_cable_speed", start_of(&controller.max_cable_speed)),
+            ("controller.max_tension_rate", start_of(&controller.max_tension_rate)),
         ];
         let found = |fields: &[(&'static str, Option<usize>)]| {
             fields.iter().find_map(|(field, at)| at.map(|at| (*field, at)))

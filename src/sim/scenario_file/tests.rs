@@ -69,6 +69,19 @@ fn line(text: &str) -> String {
 }
 
 #[test]
+fn a_rate_of_tensions_is_read_with_minimum_time_and_refused_with_others() {
+    let with = |planner: &str| {
+        let fields = format!("max_cable_speed = 0.6\nmax_tension_rate = 400.0\nplanner = \"{planner}\"");
+        let text =
+            FULL.replacen("planner = \"exact\"\n", "", 1).replacen("max_cable_speed = 0.6", &fields, 1);
+        scenario(&text)
+    };
+    assert_eq!(with("minimum-time").unwrap().controller.max_tension_rate, 400.0);
+    let refused = with("exact").unwrap_err().to_string();
+    assert!(refused.contains("controller.max_tension_rate = 400"), "{refused}");
+}
+
+#[test]
 fn every_field_is_read() {
     let found = scenario(FULL).unwrap();
     let controller = ControllerParameters {

@@ -96,6 +96,7 @@ pub fn controller_parameters(interface: &Interface, values: &Values) -> Controll
         max_speed: values.scalar(&MAX_SPEED),
         max_angular_rate: values.scalar(&MAX_ANGULAR_RATE),
         max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
+        max_tension_rate: values.scalar(&MAX_TENSION_RATE),
         lift: values.scalar(&LIFT),
         largest_step: values.scalar(&LARGEST_STEP),
     }
@@ -115,6 +116,7 @@ pub fn tuning(interface: &Interface, values: &Values) -> Tuning {
         max_speed: values.scalar(&MAX_SPEED),
         max_angular_rate: values.scalar(&MAX_ANGULAR_RATE),
         max_cable_speed: values.scalar(&MAX_CABLE_SPEED),
+        max_tension_rate: values.scalar(&MAX_TENSION_RATE),
         limits,
     }
 }
@@ -203,6 +205,7 @@ fn write_settings(parameters: &ControllerParameters, values: &mut Values) {
     values.write(&MAX_SPEED, [parameters.max_speed]);
     values.write(&MAX_ANGULAR_RATE, [parameters.max_angular_rate]);
     values.write(&MAX_CABLE_SPEED, [parameters.max_cable_speed]);
+    values.write(&MAX_TENSION_RATE, [parameters.max_tension_rate]);
     values.write(&LIFT, [parameters.lift]);
     values.write(&LARGEST_STEP, [parameters.largest_step]);
 }

@@ -4,7 +4,7 @@ use cable_robot::plan::PlannerKind;
 
 use super::enumerations::{GENERAL_PLANNER_TYPE, PLANNER_TYPE, POSE_SOURCE_TYPE};
 use crate::variables::units::{
-    METRE, METRE_PER_SECOND, NEWTON, PER_SECOND, RADIAN, RADIAN_PER_SECOND, SECOND,
+    METRE, METRE_PER_SECOND, NEWTON, NEWTON_PER_SECOND, PER_SECOND, RADIAN, RADIAN_PER_SECOND, SECOND,
 };
 use crate::variables::{ABOVE_ZERO, Kind, Row, Variability, parameter, setting};
 
@@ -189,6 +189,17 @@ pub const MAX_CABLE_SPEED: Row = Row {
         &METRE_PER_SECOND,
         &[0.0],
         "Greatest speed of a cable, 0 for no limit: the planner Exact heeds it",
+    )
+};
+pub const MAX_TENSION_RATE: Row = Row {
+    variability: Variability::Tunable,
+    min: Some(0.0),
+    ..parameter(
+        33,
+        "maxTensionRate",
+        &NEWTON_PER_SECOND,
+        &[0.0],
+        "Greatest rate of a commanded tension on the way, 0 for no limit: the planner MinimumTime alone heeds it, the steps of the others are jumps",
     )
 };
 pub const LIFT: Row = Row {

@@ -292,6 +292,7 @@ pub const ROWS: &[&Row] = &[
     &MAX_SPEED,
     &MAX_ANGULAR_RATE,
     &MAX_CABLE_SPEED,
+    &MAX_TENSION_RATE,
     &LIFT,
     &LARGEST_STEP,
     &PLANNER_NUMBER,
