@@ -239,7 +239,7 @@ impl Path {
     ) -> Option<Option<(f64, Seen)>> {
         let (mut width, mut proofs) = (least, 0);
         for _ in 0..WIDTHS {
-            if !(width <= WIDEST * timing.duration) {
+            if width.is_nan() || width > WIDEST * timing.duration {
                 return None;
             }
             let mean = Mean::new(timing, width);
