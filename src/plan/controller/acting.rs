@@ -24,8 +24,7 @@ impl Controller {
         match self.mode {
             Mode::Active => {}
             Mode::Disabled => self.outputs.motor_tension = self.planner.rig().least_tensions(),
-            // The limits may be others than when it began to wait.
-            Mode::Waiting(held) => self.outputs.motor_tension = self.planner.rig().clamped(&held),
+            Mode::Waiting(held) => self.outputs.motor_tension = held,
             Mode::Faulted(stop) => self.outputs.motor_tension = self.braking(&stop),
         }
         self.report(&inputs.goal_pose);

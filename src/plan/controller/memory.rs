@@ -174,17 +174,4 @@ mod tests {
         refused("parametersPending", |c| c.wanted = Some(c.planner.parameters.tuning()));
         refused("setPointIndex", |c| c.outputs.set_point_index = -1);
     }
-
-    /// A motor was told to pull with -0.71 N.
-    #[test]
-    fn tensions_held_while_waiting_are_within_the_limits_of_now() {
-        let mut inputs = ControllerInputs { encoder_pose: Pose::at(0.0, 0.0, 0.0), ..inputs() };
-        let mut controller = Controller::new(ControllerParameters::default(), 0.0, &inputs).unwrap();
-        controller.step(0.0, 1e-3, &inputs);
-        assert_eq!(controller.outputs().status, Status::WaitingForPose);
-        controller.mode = Mode::Waiting(PerCable::from([-0.71, -3.6e91, 200.0, 10.0, 10.0, 10.0]));
-        inputs.encoder_pose = Pose::at(0.0, 0.0, -1.0);
-        controller.step(1e-3, 1e-3, &inputs);
-        assert_eq!(controller.outputs().motor_tension, [0.0, 0.0, 100.0, 10.0, 10.0, 10.0]);
-    }
 }
