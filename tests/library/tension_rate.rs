@@ -173,16 +173,6 @@ fn many_goals_that_change_on_the_way_keep_the_rate_too() {
     check_goals(&[(PAPER, 0.0, 10), (PAPER, 0.2, 10), (EIGHT, 0.15, 5)]);
 }
 
-/// At rest in the middle of a symmetric rig nothing was proved: of tensions as far inside the limits as can be there is one choice only, and rounding did not find it.
-#[test]
-fn a_symmetric_rig_sets_out_from_its_middle() {
-    let file = RigFile::parse(EIGHT).unwrap();
-    let setting = Setting { gain: 3.0, step: 1e-3, is_late: false, rate: 1000.0 };
-    let goal = Pose(file.home.0 + Coordinates::new(0.15, 0.15, 0.0, 0.0, 0.0, 0.1));
-    let planner = Planner::from(parameters(&file.rig, setting));
-    assert!(planner.course_from_rest(&file.home, &goal).is_some());
-}
-
 /// The pose is lost on the way.
 #[test]
 fn stops_keep_the_rate_and_are_stops() {

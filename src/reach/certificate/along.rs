@@ -12,9 +12,6 @@ use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits
 
 /// Motions that are summed.
 pub const MOST_PARTS: usize = 4;
-/// How far inside the limits, of how far they can be, tensions of more than six cables are looked for: at the most there is one choice only, and where the rig is symmetric, as at
-/// rest in its middle, rounding may not find it.
-const SHARES: [f64; 2] = [1.0, 0.5];
 /// Halvings of a piece before it counts as not proved.
 const MOST_HALVINGS: i32 = 10;
 
@@ -139,12 +136,10 @@ impl Piece {
                 is_within
             });
         }
-        SHARES.into_iter().any(|share| {
-            let found = redundant::look(rig, limits, &motion, (span, share), |_, tensions, _| {
-                seen.include(tensions, half);
-            });
-            matches!(found, Finding::Inside)
-        })
+        let found = redundant::look(rig, limits, &motion, (span, 1.0), |_, tensions, _| {
+            seen.include(tensions, half);
+        });
+        matches!(found, Finding::Inside)
     }
 
     /// Within `half` s of an instant.
