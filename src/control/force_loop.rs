@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::robot::memory::are_finite;
+use crate::robot::memory::are_of_each_cable;
 use crate::robot::{PerCable, Rig};
 
 /// Integral gain, 1/s: an error of tension decays to a third in 0.05 s.
@@ -31,8 +31,7 @@ impl ForceLoop {
     /// Whether a run with this rig can have left this.
     pub fn is_sound(&self, rig: &Rig) -> bool {
         let of_the_rig = Self::new(rig);
-        let is_of_each_cable =
-            |values: &PerCable<f64>| values.len() == rig.cables.len() && are_finite(values);
+        let is_of_each_cable = |values: &PerCable<f64>| are_of_each_cable(values, rig.cables.len());
         self.largest == of_the_rig.largest
             && is_of_each_cable(&self.correction)
             && self.correction.iter().all(|correction| correction.abs() <= self.largest)

@@ -40,16 +40,16 @@ pub fn tension_command(
     tensions(rig, pose, rates, &acceleration(gains, pose, rates, reference), margin)
 }
 
-/// The accelerations of the coordinates that a command gives: those of the law, unless the limits have `clipped` its tensions to others.
+/// The accelerations of the coordinates that a command gives: those of the law, unless the cables do not pull (N) what it wants because of their limits.
 pub fn imposed(
     rig: &Rig,
     gains: &Gains,
     (pose, rates): (&Pose, &Coordinates),
     reference: &Reference,
-    clipped: Option<&PerCable<f64>>,
+    [wanted, pulled]: [&PerCable<f64>; 2],
 ) -> Coordinates {
-    match clipped {
-        Some(tensions) => dynamics::accelerations(rig, pose, rates, tensions),
-        None => acceleration(gains, pose, rates, reference),
+    if pulled == wanted {
+        return acceleration(gains, pose, rates, reference);
     }
+    dynamics::accelerations(rig, pose, rates, pulled)
 }

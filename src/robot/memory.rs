@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::ParameterError;
+use super::{ParameterError, PerCable};
 
 /// Why no run can have left such a memory.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -23,6 +23,11 @@ pub enum MemoryError {
 /// Succeeds if `ok`, else names the part and what is allowed.
 pub fn expect(ok: bool, part: &'static str, allowed: &'static str) -> Result<(), MemoryError> {
     if ok { Ok(()) } else { Err(MemoryError::Part { part, allowed }) }
+}
+
+/// Whether there is one a cable, and each is a number and not infinite.
+pub fn are_of_each_cable(values: &PerCable<f64>, cables: usize) -> bool {
+    values.len() == cables && are_finite(values)
 }
 
 /// Whether they are numbers, and none is infinite.

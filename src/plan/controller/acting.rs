@@ -107,10 +107,9 @@ impl Controller {
             desired
         };
         self.outputs.motor_tension = rig.clamped(&command);
-        let clipped = (desired != *tension).then_some(&desired);
-        let gains = self.planner.parameters.gains();
+        let (gains, state) = (self.planner.parameters.gains(), (&state.0, &state.1));
         let imposed =
-            lyapunov::imposed(rig, &gains, (&state.0, &state.1), reference, clipped) - self.disturbing();
+            lyapunov::imposed(rig, &gains, state, reference, [tension, &desired]) - self.disturbing();
         self.commands.send(self.time, self.time + self.foreseen_delay(), imposed);
     }
 

@@ -7,8 +7,8 @@ use crate::plan::aim::Search;
 use crate::plan::interface::{ControllerOutputs, ControllerParameters, Status};
 use crate::plan::stop::Stop;
 use crate::plan::tuning::Pending;
-use crate::robot::memory::{are_finite, expect};
-use crate::robot::{MemoryError, PerCable, Pose};
+use crate::robot::memory::{are_finite, are_of_each_cable, expect};
+use crate::robot::{MemoryError, Pose};
 
 impl Controller {
     /// Whether a run can have left this memory; its parameters are checked when it is read. Where nothing here tells that it cannot, what it commands keeps the limits all the same: each step sees to that.
@@ -18,14 +18,13 @@ impl Controller {
     pub fn check(&self) -> Result<(), MemoryError> {
         let parameters = &self.planner.parameters;
         let (rig, cables) = (&parameters.rig, parameters.rig.cables.len());
-        let of_each_cable = |values: &PerCable<f64>| values.len() == cables && are_finite(values);
         if let Some(wanted) = &self.wanted {
             expect(wanted.limits.len() == cables, "tuning", "limits of each cable")?;
             parameters.check_tuning(wanted)?;
         }
         let is_mode = match &self.mode {
             Mode::Disabled | Mode::Active => true,
-            Mode::Waiting(held) => of_each_cable(held),
+            Mode::Waiting(held) => are_of_each_cable(held, cables),
             Mode::Faulted(stop) => Stop::is_sound(stop),
         };
         expect(is_mode, "mode", "finite numbers, one a cable")?;
@@ -112,7 +111,7 @@ mod tests {
     use super::*;
     use crate::plan::ControllerInputs;
     use crate::plan::PlannerKind;
-    use crate::robot::RigFile;
+    use crate::robot::{PerCable, RigFile};
 
     fn inputs() -> ControllerInputs {
         let rest = PerCable::filled(6, 10.0);

@@ -3,7 +3,8 @@
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-use crate::reach::certificate::part::along;
+use crate::reach::certificate::part::{Part, along};
+use crate::reach::certificate::section::Section;
 use crate::robot::memory::are_finite;
 
 /// Intervals of a way on the grid; a line that would have more in closed form is planned there.
@@ -31,6 +32,12 @@ impl Arc {
     /// `t` seconds after its beginning.
     pub fn at(&self, t: f64) -> Along {
         along([self.s, self.v, self.a], self.beta, t)
+    }
+
+    /// The same from `t` seconds after its beginning on, along a section of a way.
+    pub fn part(&self, section: &Section, t: f64) -> Part {
+        let [s, v, a] = self.at(t);
+        Part { section: *section, s, v, a, beta: self.beta, jerk: 0.0 }
     }
 
     /// How long it takes to go `ds` (m) farther, where it has the speed `v1` (m/s, 0 or greater). Neither a nor the speed change sign on the way.

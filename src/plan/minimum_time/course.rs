@@ -119,8 +119,7 @@ impl Leg {
             .timing
             .spans()
             .find(|(arc, duration)| (arc.begin..arc.begin + duration).contains(&instant))?;
-        let [s, v, a] = arc.at(from - self.begin - arc.begin);
-        Some(Part { section: *self.way.section(arc.s), s, v, a, beta: arc.beta, jerk: 0.0 })
+        Some(arc.part(self.way.section(arc.s), from - self.begin - arc.begin))
     }
 
     /// When its arcs begin and end, s.

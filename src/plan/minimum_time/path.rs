@@ -12,7 +12,6 @@ use super::polygon::{Condition, Polygon};
 use super::track::Track;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
-use crate::reach::certificate::part::Part;
 use crate::robot::pose::PITCH;
 use crate::robot::{LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
@@ -217,11 +216,7 @@ impl Path {
     ) -> [bool; MOST_ARCS] {
         let mut failed = [false; MOST_ARCS];
         for (k, (arc, duration)) in timing.spans().enumerate() {
-            let section = *self.way.section(arc.s);
-            let piece = Piece::new(
-                Part { section, s: arc.s, v: arc.v, a: arc.a, beta: arc.beta, jerk: 0.0 },
-                duration,
-            );
+            let piece = Piece::new(arc.part(self.way.section(arc.s), 0.0), duration);
             failed[k] = !piece.is_proved(rig, &self.limits, spans, seen);
         }
         failed

@@ -183,14 +183,7 @@ impl<'a> Sum<'a> {
     fn is_proved(&self, begin: f64, timing: &Timing, work: &mut Work, seen: &mut Seen) -> bool {
         timing.spans().all(|(arc, duration)| {
             let from = begin + arc.begin;
-            let part = Part {
-                section: *self.path.way.section(arc.s),
-                s: arc.s,
-                v: arc.v,
-                a: arc.a,
-                beta: arc.beta,
-                jerk: 0.0,
-            };
+            let part = arc.part(self.path.way.section(arc.s), 0.0);
             let below = self
                 .legs
                 .iter()

@@ -180,8 +180,8 @@ impl Follower {
         let margin = self.planner.allowance();
         let wanted = lyapunov::tension_command(rig, &gains, &pose, &rates, &followed, margin)?;
         let tension = rig.clamped(&wanted);
-        let clipped = (tension != wanted).then_some(&tension);
-        Some((tension, lyapunov::imposed(rig, &gains, (&pose, &rates), &followed, clipped)))
+        let imposed = lyapunov::imposed(rig, &gains, (&pose, &rates), &followed, [&wanted, &tension]);
+        Some((tension, imposed))
     }
 
     fn reference(&self, time: f64) -> Reference {
