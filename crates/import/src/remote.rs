@@ -48,9 +48,14 @@ impl Remote {
         })
     }
 
+    /// As [`ask`](Self::ask), of no variable or of one alone.
+    fn ask_one(&self, request: &Request) -> Result<Reply, Failure> {
+        self.ask(request).map_err(|refusal| refusal.failure)
+    }
+
     /// As [`ask`](Self::ask), where nothing but success is the answer.
     fn tell(&self, request: &Request) -> Result<(), Failure> {
-        match self.ask(request).map_err(|refusal| refusal.failure)? {
+        match self.ask_one(request)? {
             Reply::Done => Ok(()),
             _ => Err(self.garbled()),
         }
@@ -58,7 +63,7 @@ impl Remote {
 
     /// As [`ask`](Self::ask), where a state is the answer.
     fn ask_state(&self, request: &Request) -> Result<*mut c_void, Failure> {
-        match self.ask(request).map_err(|refusal| refusal.failure)? {
+        match self.ask_one(request)? {
             // Nobody here looks where it points.
             Reply::State(address) => Ok(std::ptr::without_provenance_mut(address as usize)),
             _ => Err(self.garbled()),
@@ -89,7 +94,7 @@ fn address(state: *mut c_void) -> u64 {
 
 impl Slave for Remote {
     fn get(&self, kind: VariableType, reference: u32) -> Result<Value, Failure> {
-        match self.ask(&Request::Get(vec![(kind, reference)])).map_err(|refusal| refusal.failure)? {
+        match self.ask_one(&Request::Get(vec![(kind, reference)]))? {
             Reply::Values(values) if values.len() == 1 => Ok(values[0]),
             _ => Err(self.garbled()),
         }
@@ -154,7 +159,7 @@ impl Slave for Remote {
     }
 
     fn serialize(&self, state: *mut c_void) -> Result<Vec<u8>, Failure> {
-        match self.ask(&Request::Serialize(address(state))).map_err(|refusal| refusal.failure)? {
+        match self.ask_one(&Request::Serialize(address(state)))? {
             Reply::Bytes(bytes) => Ok(bytes),
             _ => Err(self.garbled()),
         }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::time::Duration;
 
-use anyhow::{Context, Error, Result, bail, ensure};
+use anyhow::{Error, Result, bail, ensure};
 use cable_robot::plan::{PlannerKind, Status};
 use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::scenario::count_steps;
@@ -34,7 +34,7 @@ use crate::progress::Progress;
 use crate::rig::{RigArgument, require_below, require_rest};
 use crate::{Outcome, lost, number, print, print_json, say};
 #[cfg(unix)]
-use {crate::FMU_WORKER, cable_robot_import::Worker};
+use {crate::FMU_WORKER, anyhow::Context, cable_robot_import::Worker};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
@@ -77,11 +77,9 @@ pub struct Simulate {
     fmu: Vec<PathBuf>,
     /// Longest time that an FMU may take for a call, s
     #[arg(long, value_name = "S", value_parser = seconds, default_value = "60", requires = "fmu")]
-    #[cfg_attr(not(unix), expect(dead_code, reason = "FMUs run in this process there"))]
     fmu_timeout: f64,
     /// Runs the FMUs in this process, which ends with them should one crash: faster, for FMUs that are trusted
     #[arg(long, requires = "fmu")]
-    #[cfg_attr(not(unix), expect(dead_code, reason = "FMUs run in this process there"))]
     in_process: bool,
     /// Writes run.csv and run.json into this folder, instead of the CSV to stdout
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]

@@ -94,13 +94,8 @@ impl BridgeController {
             fmu.set_parameters(|interface, values| {
                 let (lambda, eta) = (rig.lambda, rig.eta);
                 let own = controller::controller_parameters(interface, values);
-                let base = ControllerParameters { rig: rig.rig, lambda, eta, ..own };
-                // The planner may be among what the fieldbus file says.
-                controller::write_parameters(interface, &base, values);
-                can::write_given(config, interface, values).map_err(with_question)?;
-                let planned = controller::controller_parameters(interface, values);
-                controller::write_parameters(interface, &config.of_drives(planned), values);
-                can::write_given(config, interface, values).map_err(with_question)
+                let own = ControllerParameters { rig: rig.rig, lambda, eta, ..own };
+                can::write_parameters(config, interface, &own, values).map_err(with_question)
             })?;
             ControllerModel::start(fmu, &at_rest(config))
                 .and_then(|_| fmu.begin())

@@ -22,7 +22,7 @@ use cable_robot_fieldbus::{Config, Files, ls_bus};
 // What the descriptions say is what the nodes do.
 const _: () = assert!(ls_bus::ROOM == ROOM && ls_bus::CYCLES == LONGEST_STEP);
 
-pub use parameters::{GivenError, controller_parameters, write_given};
+pub use parameters::{GivenError, controller_parameters, write_parameters};
 
 /// The variables of a node that is made for these files.
 pub fn interface(kind: NodeKind, files: &Files) -> Interface {

@@ -53,20 +53,30 @@ pub fn controller_parameters(config: &Config) -> Result<ControllerParameters, Gi
     let mut values = interface.start().clone();
     let own =
         ControllerParameters { lambda: file.lambda, eta: file.eta, ..ControllerParameters::of(&file.rig) };
-    controller::write_parameters(&interface, &own, &mut values);
-    write_given(config, &interface, &mut values)?;
-    // The planner may be among what the file says.
-    let planned = controller::controller_parameters(&interface, &values);
-    controller::write_parameters(&interface, &config.of_drives(planned), &mut values);
-    write_given(config, &interface, &mut values)?;
+    write_parameters(config, &interface, &own, &mut values)?;
     Ok(controller::controller_parameters(&interface, &values))
 }
 
-/// Writes what the fieldbus file says of the controller.
+/// Writes `own` parameters of a controller, with what the fieldbus file says of it and of its drives.
 ///
 /// # Errors
 /// [`GivenError`].
-pub fn write_given(config: &Config, interface: &Interface, values: &mut Values) -> Result<(), GivenError> {
+pub fn write_parameters(
+    config: &Config,
+    interface: &Interface,
+    own: &ControllerParameters,
+    values: &mut Values,
+) -> Result<(), GivenError> {
+    controller::write_parameters(interface, own, values);
+    write_given(config, interface, values)?;
+    // The planner may be among what the file says.
+    let planned = controller::controller_parameters(interface, values);
+    controller::write_parameters(interface, &config.of_drives(planned), values);
+    write_given(config, interface, values)
+}
+
+/// Writes what the fieldbus file says of the controller.
+fn write_given(config: &Config, interface: &Interface, values: &mut Values) -> Result<(), GivenError> {
     for (name, parameter) in &config.controller.parameters {
         let (reference, number) = parameter_value(interface, name, parameter)?;
         values.put(reference, number);
