@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 use planning::Refused;
 
 use super::aim::Search;
-use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind, Status};
+use super::interface::{ControllerInputs, ControllerOutputs, ControllerParameters, PlannerKind};
 use super::minimum_time::Course;
 use super::planner::{Planner, Situation};
 use super::prediction::Prediction;
+use super::status::Status;
 use super::stop::Stop;
 use super::through::MOST_WAY_POINTS;
 use super::tuning::Tuning;

@@ -20,6 +20,7 @@ pub mod prediction;
 #[cfg(feature = "clarabel")]
 pub mod sequence;
 mod speed;
+mod status;
 mod stop;
 mod tangents;
 pub mod through;
@@ -28,8 +29,8 @@ mod tuning;
 pub use controller::Controller;
 pub use fault::{Check, Fault};
 pub use interface::{
-    ControllerInputs, ControllerOutputs, ControllerParameters, OF_LONGEST_STEP, PlannerKind, PoseSource,
-    Rest, Status,
+    ControllerInputs, ControllerOutputs, ControllerParameters, OF_LONGEST_STEP, PlannerKind, PoseSource, Rest,
 };
 pub use planner::Planner;
+pub use status::Status;
 pub use tuning::{Pending, Tuning};
