@@ -10,6 +10,43 @@ pub fn inertia(rig: &Rig, pose: &Pose) -> Matrix3<f64> {
     rotation.matrix() * rig.inertia * rotation.matrix().transpose()
 }
 
+/// The platform at a pose: what Eq. (1) asks of it at any rates and accelerations.
+pub struct Placed<'a> {
+    rig: &'a Rig,
+    pose: &'a Pose,
+    inertia: Matrix3<f64>,
+    /// E with ω = E (roll', pitch', yaw')ᵀ.
+    rate_matrix: Matrix3<f64>,
+}
+
+impl<'a> Placed<'a> {
+    /// At a pose.
+    pub fn new(rig: &'a Rig, pose: &'a Pose) -> Self {
+        Self { rig, pose, inertia: inertia(rig, pose), rate_matrix: pose.rate_matrix() }
+    }
+
+    /// As [`required_wrench`].
+    pub fn required_wrench(&self, rates: &Coordinates, accelerations: &Coordinates) -> Vector6<f64> {
+        let mut force: Vector3<f64> = accelerations.fixed_rows::<3>(0) * self.rig.mass;
+        force -= self.rig.gravity * self.rig.mass;
+
+        let angle_rates = rates.fixed_rows::<3>(3);
+        let omega = self.rate_matrix * angle_rates;
+        let alpha = self.rate_matrix * accelerations.fixed_rows::<3>(3)
+            + self.pose.rate_matrix_derivative(rates) * angle_rates;
+        let torque = self.inertia * alpha + omega.cross(&(self.inertia * omega));
+
+        Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z) - self.rig.disturbance
+    }
+
+    /// As [`wrench_of`].
+    pub fn wrench_of(&self, accelerations: &Coordinates) -> Vector6<f64> {
+        let force = accelerations.fixed_rows::<3>(0) * self.rig.mass;
+        let torque = self.inertia * (self.rate_matrix * accelerations.fixed_rows::<3>(3));
+        Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
+    }
+}
+
 /// The wrench that the cables must give for these rates and accelerations of the coordinates: left side of Eq. (1).
 /// (N, N m), base frame.
 pub fn required_wrench(
@@ -18,18 +55,7 @@ pub fn required_wrench(
     rates: &Coordinates,
     accelerations: &Coordinates,
 ) -> Vector6<f64> {
-    let mut force: Vector3<f64> = accelerations.fixed_rows::<3>(0) * rig.mass;
-    force -= rig.gravity * rig.mass;
-
-    let angle_rates = rates.fixed_rows::<3>(3);
-    let rate_matrix = pose.rate_matrix();
-    let omega = rate_matrix * angle_rates;
-    let alpha =
-        rate_matrix * accelerations.fixed_rows::<3>(3) + pose.rate_matrix_derivative(rates) * angle_rates;
-    let inertia = inertia(rig, pose);
-    let torque = inertia * alpha + omega.cross(&(inertia * omega));
-
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z) - rig.disturbance
+    Placed::new(rig, pose).required_wrench(rates, accelerations)
 }
 
 /// The accelerations of the coordinates that these tensions (N) give: Eq. (1) solved for x''.
@@ -50,9 +76,7 @@ pub fn accelerations_of(rig: &Rig, pose: &Pose, wrench: &Vector6<f64>) -> Coordi
 
 /// D(x) x'': the wrench (N, N m; base frame) that accelerates the coordinates by this.
 pub fn wrench_of(rig: &Rig, pose: &Pose, accelerations: &Coordinates) -> Vector6<f64> {
-    let force = accelerations.fixed_rows::<3>(0) * rig.mass;
-    let torque = inertia(rig, pose) * (pose.rate_matrix() * accelerations.fixed_rows::<3>(3));
-    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
+    Placed::new(rig, pose).wrench_of(accelerations)
 }
 
 #[cfg(test)]

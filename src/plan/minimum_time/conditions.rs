@@ -9,16 +9,15 @@
 //!
 //! Of six cables these are the limits of one tension each.
 
-use nalgebra::{Matrix6, Vector6};
+use arrayvec::ArrayVec;
+use nalgebra::{Matrix6, SMatrix, Vector6};
 
 use super::polygon::{Condition, Polygon};
 use crate::reach::certificate::section::Section;
-use crate::robot::dynamics::{required_wrench, wrench_of};
+use crate::robot::dynamics::Placed;
 use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
 
-/// What six coordinates have one of more of.
-const FIVE: usize = 5;
-/// Five columns whose last pivot is smaller than this, of columns of length one, span no plane.
+/// A column, of about length one, of which less than this is across those before it, spans no plane with them.
 const FLAT: f64 = 1e-9;
 /// Accelerations looked at: up to this many times gravity, and what all cables together give.
 const MOST_G: f64 = 100.0;
@@ -27,9 +26,10 @@ const MOST_G: f64 = 100.0;
 pub fn feasible(rig: &Rig, limits: &PerCable<TensionLimits>, section: &Section, s: f64) -> Polygon {
     let (pose, slope) = (&section.pose(s), &section.slope(s));
     let none = Coordinates::zeros();
-    let at_rest = required_wrench(rig, pose, &none, &none);
-    let of_a = wrench_of(rig, pose, slope);
-    let of_x = required_wrench(rig, pose, slope, &section.bend(s)) - at_rest;
+    let placed = Placed::new(rig, pose);
+    let at_rest = placed.required_wrench(&none, &none);
+    let of_a = placed.wrench_of(slope);
+    let of_x = placed.required_wrench(slope, &section.bend(s)) - at_rest;
     let most = most(rig, limits, slope);
     // Where the way does not lead on, nothing says how fast.
     if limits.len() != rig.cables.len() || !most.is_finite() {
@@ -91,32 +91,28 @@ fn each_plane<const N: usize>(
     if columns.len() == LEAST_CABLES {
         // The tensions themselves, u = W⁻¹ w, each within its limits.
         let matrix = Matrix6::from_columns(&std::array::from_fn::<_, LEAST_CABLES, _>(|i| columns[i]));
-        let Some(inverse) = matrix.try_inverse() else { return };
-        let shares = wrenches.map(|w| inverse * w);
-        (0..LEAST_CABLES).all(|i| take(shares.map(|share| share[i]), [limits[i].min, limits[i].max]));
-        return;
-    }
-    let mut chosen = [0, 1, 2, 3, 4];
-    loop {
-        if let Some(normal) = across(&columns, &chosen) {
-            let (mut least, mut greatest) = (0.0, 0.0);
-            for (column, limits) in columns.iter().zip(limits) {
-                let share = normal.dot(column);
-                let ends = [share * limits.min, share * limits.max];
-                // The five themselves: whatever they pull.
-                if share.abs() > FLAT {
-                    least += ends[0].min(ends[1]);
-                    greatest += ends[0].max(ends[1]);
-                }
-            }
-            if !take(wrenches.map(|w| normal.dot(&w)), [least, greatest]) {
-                return;
-            }
-        }
-        if !next(&mut chosen, columns.len()) {
+        let mut tensions = SMatrix::<f64, 6, N>::from_columns(&wrenches);
+        if !matrix.lu().solve_mut(&mut tensions) {
             return;
         }
+        (0..LEAST_CABLES)
+            .all(|i| take(std::array::from_fn(|k| tensions[(i, k)]), [limits[i].min, limits[i].max]));
+        return;
     }
+    let whole: Basis = (0..6).map(|k| Vector6::ith(k, 1.0)).collect();
+    each_normal(&columns, &whole, &mut |normal| {
+        let (mut least, mut greatest) = (0.0, 0.0);
+        for (column, limits) in columns.iter().zip(limits) {
+            let share = normal.dot(column);
+            let ends = [share * limits.min, share * limits.max];
+            // The five themselves: whatever they pull.
+            if share.abs() > FLAT {
+                least += ends[0].min(ends[1]);
+                greatest += ends[0].max(ends[1]);
+            }
+        }
+        take(wrenches.map(|w| normal.dot(&w)), [least, greatest])
+    });
 }
 
 /// The greatest s'' and s'² looked at, 1/s².
@@ -127,42 +123,40 @@ fn most(rig: &Rig, limits: &PerCable<TensionLimits>, slope: &Coordinates) -> f64
     fastest / (linear + rig.platform_radius() * angular)
 }
 
-/// The next five of so many, in order; whether there are any.
-fn next(chosen: &mut [usize; FIVE], count: usize) -> bool {
-    let Some(k) = (0..FIVE).rfind(|k| chosen[*k] < count - FIVE + k) else { return false };
-    chosen[k] += 1;
-    for j in k + 1..FIVE {
-        chosen[j] = chosen[j - 1] + 1;
+/// Orthonormal vectors.
+type Basis = ArrayVec<Vector6<f64>, 6>;
+
+/// Hands over the vector of length one across each five columns, until it is told to stop; none where five span no plane. `basis` spans what is across the columns chosen
+/// before these; false once it was told to.
+fn each_normal(
+    columns: &[Vector6<f64>],
+    basis: &Basis,
+    take: &mut impl FnMut(&Vector6<f64>) -> bool,
+) -> bool {
+    if let [normal] = &basis[..] {
+        return take(normal);
     }
-    true
+    let more = basis.len() - 1;
+    (more..=columns.len()).rev().all(|left| {
+        let [column, others @ ..] = &columns[columns.len() - left..] else { return true };
+        across(basis, column).is_none_or(|rest| each_normal(others, &rest, take))
+    })
 }
 
-/// The vector of length one across five columns; `None` where they do not span a plane: Gauss with pivots over all that is left.
-fn across(columns: &PerCable<Vector6<f64>>, chosen: &[usize; FIVE]) -> Option<Vector6<f64>> {
-    let mut rows = chosen.map(|i| columns[i]);
-    let mut order = [0, 1, 2, 3, 4, 5];
-    for k in 0..FIVE {
-        let places = (k..FIVE).flat_map(|i| (k..6).map(move |j| (i, j)));
-        let size = |&(i, j): &(usize, usize)| rows[i][order[j]].abs();
-        let (i, j) = places.max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        rows.swap(k, i);
-        order.swap(k, j);
-        let pivot = rows[k][order[k]];
-        if pivot.abs() < FLAT {
-            return None;
-        }
-        for i in k + 1..FIVE {
-            let factor = rows[i][order[k]] / pivot;
-            rows[i] -= rows[k] * factor;
-        }
+/// A basis of what of `basis` is across a column, too (a Householder reflection turns its first vector into what the column has there); `None` where the column has nothing there.
+fn across(basis: &Basis, column: &Vector6<f64>) -> Option<Basis> {
+    let mut shares: ArrayVec<f64, 6> = basis.iter().map(|vector| vector.dot(column)).collect();
+    let length = shares.iter().map(|share| share * share).sum::<f64>().sqrt();
+    if length.is_nan() || length < FLAT {
+        return None;
     }
-    let mut normal = Vector6::zeros();
-    normal[order[5]] = 1.0;
-    for k in (0..FIVE).rev() {
-        let sum: f64 = (k + 1..6).map(|j| rows[k][order[j]] * normal[order[j]]).sum();
-        normal[order[k]] = -sum / rows[k][order[k]];
-    }
-    Some(normal.normalize())
+    let first = shares.first_mut()?;
+    let factor = 1.0 / (length * (length + first.abs()));
+    *first += length.copysign(*first);
+    let mirror: Vector6<f64> = basis.iter().zip(&shares).map(|(vector, share)| vector * *share).sum();
+    Some(
+        basis.iter().zip(&shares).skip(1).map(|(vector, share)| vector - mirror * (factor * share)).collect(),
+    )
 }
 
 #[cfg(test)]
@@ -170,6 +164,7 @@ mod tests {
     use super::*;
     use crate::control::distribution::widest_margin;
     use crate::robot::RigFile;
+    use crate::robot::dynamics::required_wrench;
     use rand::{RngExt, SeedableRng};
 
     /// The tension distribution, which is another method, finds tensions where this says that there are some, and nowhere else.

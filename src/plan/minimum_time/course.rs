@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-use super::arc::{Along, Timing};
+use super::arc::{Along, Arc, Timing};
 use super::line::Line;
 use super::path::Path;
 use super::smooth::{Gentle, Mean, Ramp};
@@ -112,14 +112,22 @@ impl Leg {
         led(self.way.section(along[0]), along)
     }
 
+    fn arc(&self, instant: f64) -> Option<&Arc> {
+        let instant = instant - self.begin;
+        let is_on = |(arc, duration): &(&Arc, f64)| (arc.begin..arc.begin + duration).contains(&instant);
+        self.timing.spans().find(is_on).map(|(arc, _)| arc)
+    }
+
     /// The arc on which it is at an instant, as a part of a motion from a time (s) on; `None` before it begins and after it ends.
     pub(super) fn part(&self, instant: f64, from: f64) -> Option<Part> {
-        let instant = instant - self.begin;
-        let (arc, _) = self
-            .timing
-            .spans()
-            .find(|(arc, duration)| (arc.begin..arc.begin + duration).contains(&instant))?;
+        let arc = self.arc(instant)?;
         Some(arc.part(self.way.section(arc.s), from - self.begin - arc.begin))
+    }
+
+    /// Where the arc on which it is at an instant leads at a time (s); `None` before it begins and after it ends.
+    pub(super) fn led(&self, instant: f64, time: f64) -> Option<Reference> {
+        let arc = self.arc(instant)?;
+        Some(led(self.way.section(arc.s), arc.at(time - self.begin - arc.begin)))
     }
 
     /// When its arcs begin and end, s.
@@ -255,8 +263,8 @@ impl Course {
         let middle = 0.5 * (ends[0].0 + ends[1].0);
         ends.map(|(time, mut sum)| {
             for before in &self.legs[..k] {
-                if let Some(part) = before.part(middle, time) {
-                    add(&mut sum, &led(&part.section, [part.s, part.v, part.a]), &before.end_pose());
+                if let Some(led) = before.led(middle, time) {
+                    add(&mut sum, &led, &before.end_pose());
                 }
             }
             (time, sum)

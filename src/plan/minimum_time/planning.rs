@@ -15,6 +15,7 @@ use crate::plan::exact::{LEFT, Way};
 use crate::plan::margins::Unknown;
 use crate::plan::planner::{Planner, Situation};
 use crate::reach::Curve;
+use crate::reach::certificate::along::Seen;
 use crate::reach::certificate::section::Section;
 use crate::robot::{Coordinates, LEAST_CABLES, Pose, Shape};
 
@@ -28,6 +29,9 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// Errors and disturbances are looked at where a leg begins and ends, about rest: in between they cost at most this many times as much, errors also as many times as
 /// the cables pull more.
 const BETWEEN: f64 = 2.0;
+
+/// Instants looked at in the time that stopping first and going on then takes: the more where what they show is not proved in between.
+const INSTANTS: [f64; 2] = [12.0, 24.0];
 
 /// Heights of a bent way that are looked at.
 const HEIGHTS: i32 = 9;
@@ -45,6 +49,17 @@ struct Timed {
     disturbed: f64,
     /// As of a [`Leg`].
     gentle: Option<(Gentle, f64)>,
+}
+
+/// A motion that is added to a course.
+struct Added<'a> {
+    base: &'a Course,
+    path: Path,
+    timing: Timing,
+    /// What it is to leave to the limits, N.
+    kept: f64,
+    /// Time between two looks at the tensions, s.
+    stride: f64,
 }
 
 /// What a motion must leave to the limits, N.
@@ -134,40 +149,60 @@ impl Planner {
             return None;
         }
         let bases = [course.stopped_in_steps(self.rig(), begin), course.going_on(begin)];
-        let mut end = after.end();
-        let mut best = None;
-        for base in bases {
-            let found = self.added_to(base, now, error, (begin, end), goal);
-            end = found.as_ref().map_or(end, Course::end);
-            best = found.or(best);
+        for instants in INSTANTS {
+            let stride = (after.end() - begin) / instants;
+            let added = |base| self.added_to(base, (begin, after.end()), stride, goal);
+            let mut sums: ArrayVec<Added, 2> = bases.iter().filter_map(added).collect();
+            if sums.is_empty() {
+                return None;
+            }
+            sums.sort_by(|a, b| a.timing.duration.total_cmp(&b.timing.duration));
+            let proved = sums.into_iter().find_map(|sum| self.proved_sum(sum, now, error, (begin, goal)));
+            if proved.is_some() {
+                return proved;
+            }
         }
-        best
+        None
     }
 
-    /// The course to `goal` that is added to another from `begin` (s) on; `None` where none is proved to be there before `end` (s).
-    fn added_to(
+    /// The fastest way to `goal` that is added to a course from `begin` (s) on; `None` where it is not there before `end` (s).
+    fn added_to<'a>(
         &self,
-        base: Course,
-        now: &Situation,
-        error: &Error,
+        base: &'a Course,
         (begin, end): (f64, f64),
+        stride: f64,
         goal: &Pose,
-    ) -> Option<Course> {
+    ) -> Option<Added<'a>> {
         let rest = base.end_pose();
         if base.end() >= end || !self.is_worth_it(&rest, goal) {
             return None;
         }
-        let margins = self.margins(error, &[rest, *goal])?;
-        let kept = base.kept() - of_lines(&base) * narrowed_at_first(self.rig());
+        let kept = base.kept() - of_lines(base) * narrowed_at_first(self.rig());
         let way = Track::straight(&rest, goal);
         let path = Path { way, limits: self.limits(kept), fastest: f64::INFINITY };
-        let mut sum = Sum::new(self.rig(), base.legs(), &path, end - begin);
-        let (timing, seen) = sum.fastest(begin, end, &mut Work::of_a_decision())?;
+        let timing = Sum::new(self.rig(), base.legs(), &path, stride).fastest(begin, end)?;
+        Some(Added { base, path, timing, kept, stride })
+    }
+
+    /// The course with it, where that is proved and leaves enough to the limits.
+    fn proved_sum(
+        &self,
+        Added { base, path, timing, kept, stride }: Added,
+        now: &Situation,
+        error: &Error,
+        (begin, goal): (f64, &Pose),
+    ) -> Option<Course> {
+        let mut seen = Seen::none(self.rig());
+        let sum = Sum::new(self.rig(), base.legs(), &path, stride);
+        if !sum.is_proved(begin, &timing, &mut Work::of_a_decision(), &mut seen) {
+            return None;
+        }
+        let margins = self.margins(error, &[base.end_pose(), *goal])?;
         let way = course::Way::Path(path);
         let held = self.cost_of(now.hold, [seen.first, seen.second, seen.change()])
             + self.cost_of_switches(&way, &timing, now.hold)?;
         let leg = Leg { way, timing, begin, held, kept, gentle: None };
-        margins.are_kept(kept, held, seen.greatest()).then(|| base.and(leg, goal))?
+        margins.are_kept(kept, held, seen.greatest()).then(|| base.clone().and(leg, goal))?
     }
 
     /// The leg by way of `via` to `goal`, or to the first of these, or a part of that.

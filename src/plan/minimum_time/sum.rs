@@ -5,22 +5,19 @@
 
 use super::arc::Timing;
 use super::conditions::between;
-use super::course::{Leg, Way, add, led};
+use super::course::{Leg, Way, add};
 use super::path::{Path, Work, narrowed_at_first};
 use crate::control::Reference;
 use crate::plan::planner::STEEPEST;
 use crate::reach::certificate::along::{Piece, Seen};
-use crate::reach::certificate::part::Part;
-use crate::robot::dynamics::{required_wrench, wrench_of};
+use crate::robot::dynamics::Placed;
 use crate::robot::pose::PITCH;
 use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// Switches tried, and how near to the goal one leads, as a share of the way: what is left over is taken out of the way itself.
 const SWITCHES: usize = 16;
-const NEAR: f64 = 1e-6;
-/// Times that it is timed, each with half the stride.
-const TIMINGS: usize = 2;
-/// Instants looked at in the time that stopping first and going on then takes.
+const NEAR: f64 = 1e-5;
+/// Instants looked at in the time that a stop takes.
 const INSTANTS: f64 = 20.0;
 /// Times nearer to each other than this share of a stride are one.
 const ROUNDING: f64 = 1e-6;
@@ -40,22 +37,16 @@ pub struct Sum<'a> {
 }
 
 impl<'a> Sum<'a> {
-    /// Looks at the tensions as often as a motion asks for that takes `duration` seconds.
-    pub fn new(rig: &'a Rig, legs: &'a [Leg], path: &'a Path, duration: f64) -> Self {
+    /// Looks at the tensions each `stride` seconds, and where an arc ends.
+    pub fn new(rig: &'a Rig, legs: &'a [Leg], path: &'a Path, stride: f64) -> Self {
         let narrowed = libm::scalbn(narrowed_at_first(rig), -(legs.len() as i32));
         let limits = path.limits.map(|limits| limits.shrunk(narrowed));
-        Self { rig, legs, path, stride: duration / INSTANTS, limits }
+        Self { rig, legs, path, stride, limits }
     }
 
-    /// The fastest motion from σ = σ' = 0 at `begin` (s) to rest at σ = 1 that is over before `end` (s), and what was seen of the tensions on the proved sum.
-    pub fn fastest(&mut self, begin: f64, end: f64, work: &mut Work) -> Option<(Timing, Seen)> {
-        (0..TIMINGS).find_map(|_| {
-            let timing = self.to_the_goal(begin, end)?;
-            self.stride *= 0.5;
-            let mut seen = Seen::none(self.rig);
-            (begin + timing.duration < end && self.is_proved(begin, &timing, work, &mut seen))
-                .then_some((timing, seen))
-        })
+    /// The fastest motion from σ = σ' = 0 at `begin` (s) to rest at σ = 1; `None` where it is not over before `end` (s). Proved it is not.
+    pub fn fastest(&self, begin: f64, end: f64) -> Option<Timing> {
+        self.to_the_goal(begin, end).filter(|timing| begin + timing.duration < end)
     }
 
     /// As fast as can be, then as slow: where from, by halving and by secants. An end that stays twice counts half of what it is off by (the Illinois method).
@@ -169,18 +160,20 @@ impl<'a> Sum<'a> {
         let way = self.path.way.section(sigma).slope(sigma);
         sum.rates = way * rate;
         for leg in self.legs {
-            if let Some(Part { section, s, v, a, .. }) = leg.part(instant, time) {
-                add(&mut sum, &led(&section, [s, v, a]), &leg.end_pose());
+            if let Some(led) = leg.led(instant, time) {
+                add(&mut sum, &led, &leg.end_pose());
             }
         }
         if !self.rig.can_be_at(&sum.pose) || sum.pose.0[PITCH].abs() >= STEEPEST {
             return None;
         }
-        let rest = required_wrench(self.rig, &sum.pose, &sum.rates, &sum.accelerations);
-        between(self.rig, &self.limits, &sum.pose, rest, wrench_of(self.rig, &sum.pose, &way))
+        let placed = Placed::new(self.rig, &sum.pose);
+        let rest = placed.required_wrench(&sum.rates, &sum.accelerations);
+        between(self.rig, &self.limits, &sum.pose, rest, placed.wrench_of(&way))
     }
 
-    fn is_proved(&self, begin: f64, timing: &Timing, work: &mut Work, seen: &mut Seen) -> bool {
+    /// Whether the sum with a motion that begins at `begin` (s) is proved to keep the path's limits. What is shown of the tensions is added to `seen`.
+    pub fn is_proved(&self, begin: f64, timing: &Timing, work: &mut Work, seen: &mut Seen) -> bool {
         timing.spans().all(|(arc, duration)| {
             let from = begin + arc.begin;
             let part = arc.part(self.path.way.section(arc.s), 0.0);
@@ -201,7 +194,7 @@ impl<'a> Sum<'a> {
 pub fn stop(rig: &Rig, legs: &[Leg], leg: &Leg, time: f64) -> Leg {
     let Way::Path(path) = &leg.way else { return leg.clone() };
     let [sigma, rate, _] = leg.timing.at(time - leg.begin);
-    let sum = Sum::new(rig, legs, path, leg.end() - time);
+    let sum = Sum::new(rig, legs, path, (leg.end() - time) / INSTANTS);
     let timing = sum.braking(Timing::begun_at(sigma), [time, rate]);
     let is_proved =
         |timing: &Timing| sum.is_proved(time, timing, &mut Work::of_a_decision(), &mut Seen::none(rig));
