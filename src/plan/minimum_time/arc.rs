@@ -138,6 +138,17 @@ impl Timing {
         self
     }
 
+    /// The same from the same speed on, so many times as far and as long.
+    pub(super) fn stretched(mut self, times: f64) -> Self {
+        let start = self.start();
+        for Arc { begin, s, a, beta, .. } in &mut self.arcs {
+            (*begin, *s) = (*begin * times, start + (*s - start) * times);
+            (*a, *beta) = (*a / times, *beta / (times * times));
+        }
+        (self.end, self.duration) = (start + (self.end - start) * times, self.duration * times);
+        self
+    }
+
     /// And then another; `None` where there is no room for its arcs.
     pub(super) fn followed_by(mut self, other: &Self) -> Option<Self> {
         for arc in &other.arcs {

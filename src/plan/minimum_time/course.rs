@@ -299,6 +299,14 @@ impl Course {
         stopped
     }
 
+    /// A stop on one way, braking so many times less hard.
+    pub(super) fn gentler(mut self, times: f64) -> Self {
+        if let [stop] = &mut self.legs[..] {
+            stop.timing = stop.timing.clone().stretched(times);
+        }
+        self
+    }
+
     /// The course from a time (s) on, without the legs that have ended and those that have not begun.
     pub(super) fn going_on(&self, time: f64) -> Self {
         let under_way = |leg: &&Leg| leg.begin <= time && time < leg.end();

@@ -33,6 +33,9 @@ const BETWEEN: f64 = 2.0;
 /// Instants looked at in the time that stopping first and going on then takes: the more where what they show is not proved in between.
 const INSTANTS: [f64; 2] = [12.0, 24.0];
 
+/// A stop that a motion is added to brakes so many times less hard than it could: that leaves tensions some of their range for the motion.
+const GENTLER: f64 = 1.7;
+
 /// Heights of a bent way that are looked at.
 const HEIGHTS: i32 = 9;
 
@@ -133,7 +136,7 @@ impl Planner {
         Some((Course::new(leg, goal), to))
     }
 
-    /// The course to `goal` that is added to the stop from `begin` (s) on, or to the course under way itself, whichever is sooner; `None` where neither is proved to be
+    /// The course to `goal` that is added to a stop from `begin` (s) on, or to the course under way itself, whichever is sooner; `None` where neither is proved to be
     /// there before the leg `after` a stop is.
     fn added(
         &self,
@@ -148,7 +151,8 @@ impl Planner {
         if is_limited || self.rig().cables.len() > LEAST_CABLES {
             return None;
         }
-        let bases = [course.stopped_in_steps(self.rig(), begin), course.going_on(begin)];
+        let stop = course.stopped_in_steps(self.rig(), begin).gentler(GENTLER);
+        let bases = [stop, course.going_on(begin)];
         for instants in INSTANTS {
             let stride = (after.end() - begin) / instants;
             let added = |base| self.added_to(base, (begin, after.end()), stride, goal);
