@@ -13,7 +13,7 @@ use cable_robot_import::{LogMessage, Status};
 use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::files::write_whole;
 use cable_robot_report::run_folder::{self, FORMAT};
-use cable_robot_report::{Recording, RunFolder, RunInfo, Summary, Table, compare, html};
+use cable_robot_report::{Digest, Recording, RunFolder, RunInfo, Summary, Table, compare, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{pack, project_root};
@@ -51,12 +51,13 @@ pub fn run(version: Version) -> Result<()> {
         println!("planner {}", planner.described().0);
         print(&summary);
         recorded.write(&folder)?;
-        let page = html(&recorded)?;
+        let digest = Digest::of(&recorded)?;
+        let page = html(&digest)?;
         let path = folder.join("report.html");
         write_whole(&path, |file| file.write_all(page.as_bytes()))?;
         println!("report: {}\n", path.display());
         rows.push((planner, summary));
-        runs.push(recorded);
+        runs.push(digest);
     }
     let path = project_root().join(COMPARISON);
     let page = compare([&runs[0], &runs[1]])?;

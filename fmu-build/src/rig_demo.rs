@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use cable_robot_report::files::write_whole;
 use cable_robot_report::run_folder::{self, RUN_CSV};
-use cable_robot_report::{RunFolder, html};
+use cable_robot_report::{Digest, html};
 use serde_json::Value;
 
 use crate::{demo, pack, project_root};
@@ -164,8 +164,8 @@ fn tell(operator: &mut ChildStdin, line: &str) -> Result<()> {
 
 /// The recorded run, opened like any other.
 fn report(folder: &Path) -> Result<()> {
-    let recorded = RunFolder::read(folder)?;
-    demo::print(&recorded.run()?.summary());
+    let recorded = Digest::read(folder, |file| file)?;
+    demo::print(&recorded.summary);
     let page = html(&recorded).with_context(|| folder.join(RUN_CSV).display().to_string())?;
     let path = folder.join("report.html");
     write_whole(&path, |file| file.write_all(page.as_bytes()))?;

@@ -52,8 +52,9 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 3] = [
+const LONGER: [Stage; 4] = [
     ("C boundary, valgrind", under_valgrind),
+    ("C boundary, ASan", under_address_sanitizer),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
     ("tools of others", |_| Ok(Outcome::Passed(interop::try_all(false)?))),
 ];
@@ -145,6 +146,16 @@ fn under_valgrind(root: &Path) -> Result<Outcome> {
                           --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
     let test = ["cargo", "test", "--package", "cable-robot-programs", "--test", "fmi_boundary"];
     run(root, "env", &[&[RUNNER], &test[..]].concat())
+}
+
+/// The same tests with AddressSanitizer in the code: nothing beyond what was allocated is read or written, nothing is used after it was freed. A stable compiler ships
+/// the runtime for this target, and takes the option of nightly ones where RUSTC_BOOTSTRAP is set.
+fn under_address_sanitizer(root: &Path) -> Result<Outcome> {
+    const TARGET: &str = "x86_64-unknown-linux-gnu";
+    let compiler = ["RUSTC_BOOTSTRAP=1", "RUSTFLAGS=-Zsanitizer=address"];
+    let test = ["cargo", "test", "--package", "cable-robot-programs", "--test", "fmi_boundary"];
+    let place = ["--target", TARGET, "--target-dir", "target/asan"];
+    run(root, "env", &[&compiler[..], &test, &place].concat())
 }
 
 /// The generated bindings against the headers; libclang is the one thing that a user may lack, continuous integration may not.

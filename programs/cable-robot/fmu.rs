@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use cable_robot::robot::RigFile;
 use cable_robot_fieldbus::Files;
+use cable_robot_files::read_text;
 use cable_robot_fmi::describe::{System, VERSIONS, Version};
 use cable_robot_fmi::models::Variant;
 use cable_robot_fmi::models::node::NODES;
 use cable_robot_fmi::resources::RIG_FILE;
 use cable_robot_fmi::{CO_SIMULATION, Interface, MODELS, Model};
 use cable_robot_fmi::{archive, can};
-use cable_robot_report::files::read_text;
 use clap::{Args, ValueHint};
 use serde_json::json;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use cable_robot_report::files::{probe, write_whole};
 use cable_robot_report::run_folder::{COMPARISON_HTML, REPORT_HTML, RUN_CSV};
-use cable_robot_report::{RunFolder, compare, html};
+use cable_robot_report::{Digest, compare, html};
 use clap::{Args, ValueHint};
 use serde_json::json;
 
@@ -44,15 +44,15 @@ impl Report {
         if self.output.is_some() || self.run.is_dir() {
             probe(&path)?;
         }
-        let folder = read(&self.run)?;
-        let mut said = json!({ "report": path, "title": folder.info.title, "rows": folder.table.rows() });
+        let run = read(&self.run)?;
+        let mut said = json!({ "report": path, "title": run.folder.info.title, "rows": run.rows });
         let page = match &self.other {
-            None => html(&folder).with_context(|| self.run.join(RUN_CSV).display().to_string())?,
+            None => html(&run).with_context(|| self.run.join(RUN_CSV).display().to_string())?,
             Some(other) => {
                 let second = read(other)?;
-                said["other"] = json!({ "title": second.info.title, "rows": second.table.rows() });
+                said["other"] = json!({ "title": second.folder.info.title, "rows": second.rows });
                 let names = || format!("A = {}, B = {}", self.run.display(), other.display());
-                compare([&folder, &second]).with_context(names)?
+                compare([&run, &second]).with_context(names)?
             }
         };
         said["bytes"] = page.len().into();
@@ -69,6 +69,6 @@ impl Report {
     }
 }
 
-fn read(folder: &Path) -> Result<RunFolder> {
-    Ok(RunFolder::read_through(folder, WatchedFile::new)?)
+fn read(folder: &Path) -> Result<Digest> {
+    Ok(Digest::read(folder, WatchedFile::new)?)
 }

@@ -8,7 +8,7 @@ use cable_robot::control::{barrier, static_margin, static_tensions};
 use cable_robot::plan::planner::{FAR, Planner};
 use cable_robot::plan::{ControllerParameters, PlannerKind};
 use cable_robot::robot::{ParameterError, Pose, Rig, RigFile, TensionLimits};
-use cable_robot_report::files::read_text;
+use cable_robot_files::read_text;
 use clap::{Args, ValueHint};
 use serde::Deserialize;
 use toml::Spanned;

@@ -14,8 +14,8 @@ use cable_robot_fieldbus::simulated::mishap::GRAMMAR;
 use cable_robot_fieldbus::simulated::{Link, Mishap, Script, SimulatedDrive, SimulatedRig, Support};
 use cable_robot_fieldbus::transport::now;
 use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
+use cable_robot_files::read_text;
 use cable_robot_programs::plain::plain;
-use cable_robot_report::files::read_text;
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,

@@ -1,10 +1,10 @@
 //! A fieldbus file on disk, and the rig file that it names.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use cable_robot::robot::{RigFile, RigFileError};
+use cable_robot_files::read_text;
 use thiserror::Error;
 
 use crate::config::{Config, ConfigError, rig_path};
@@ -79,7 +79,7 @@ impl Files {
 }
 
 fn text(path: &Path) -> Result<String, FilesError> {
-    fs::read_to_string(path).map_err(|source| FilesError::Read { path: path.to_owned(), source })
+    read_text(path).map_err(|source| FilesError::Read { path: path.to_owned(), source })
 }
 
 fn refused(path: &Path, source: ConfigError) -> FilesError {

@@ -52,7 +52,7 @@ pub fn interface(token: &str, resources: Option<&Path>) -> Result<Interface, Fmi
 }
 
 fn read(path: &Path) -> Result<RigFile, String> {
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let text = cable_robot_files::read_text(path).map_err(|error| error.to_string())?;
     RigFile::parse(&text).map_err(|error| error.to_string())
 }
 

@@ -148,7 +148,7 @@ impl Settings {
 
 fn read(path: &Path) -> Result<cable_robot::robot::Rig, Failure> {
     let text =
-        std::fs::read_to_string(path).map_err(|error| format!("rigFile {}: {error}", path.display()))?;
+        cable_robot_files::read_text(path).map_err(|error| format!("rigFile {}: {error}", path.display()))?;
     let file = RigFile::parse(&text).map_err(|error| format!("rigFile {}: {error}", path.display()))?;
     Ok(file.rig)
 }

@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
+use super::digest::Digest;
 use super::domains::domain;
 use super::explanation;
 use super::history::{History, status_name};
-use super::thinning::{drawn_rows, rounded};
+use super::thinning::rounded;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::reach::{Slice, polygon, static_workspace};
 use cable_robot::robot::triangles::FACET_NORMALS;
@@ -103,10 +104,10 @@ struct Rows {
 }
 
 impl Data {
-    /// Of a history with at least one row.
-    pub fn new(history: &History) -> Self {
+    /// Of a digest with at least one row, and its history.
+    pub fn new(digest: &Digest, history: &History) -> Self {
         let (set_points, goals) = (history.set_point_rows(), history.goal_rows());
-        let drawn = shown(history, &set_points, &goals);
+        let drawn = shown(&digest.drawn, &set_points, &goals);
         let place = |row: usize| drawn.partition_point(|k| *k < row);
         let rig = &history.info.plant_parameters.rig;
         let limits = history.info.controller_parameters.rig.common_limits();
@@ -146,7 +147,7 @@ impl Data {
             last_set_point: set_points.len() - 1,
             many_set_points: set_points.len() > MANY,
             goals: active(&goals, &drawn).into_iter().map(goal).collect(),
-            slack_spans: slack_spans(history),
+            slack_spans: digest.slack_spans.clone(),
             disturbed_spans: history.disturbed_spans().to_vec(),
             rows: Rows::new(history, &drawn),
         }
@@ -214,30 +215,14 @@ fn active(starts: &[usize], drawn: &[usize]) -> Vec<usize> {
     active
 }
 
-/// The rows that are drawn: new set points and goals, unless there are [`MANY`], and the instants before them, changes of slack, extremes.
-fn shown(history: &History, set_points: &[usize], goals: &[usize]) -> Vec<usize> {
-    let run = &history.run;
-    let coordinates: [Vec<f64>; 6] =
-        std::array::from_fn(|k| history.pose.iter().map(|pose| pose.0[k]).collect());
-    let columns = coordinates.iter().chain(&run.tension).chain(&run.slack).chain([&run.tension_margin]);
-    let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
+/// The rows that are drawn: what a digest draws anyhow, new set points and goals, unless there are [`MANY`], and the instants before them.
+fn shown(drawn: &[usize], set_points: &[usize], goals: &[usize]) -> Vec<usize> {
     let jumps = [set_points, goals].into_iter().filter(|rows| rows.len() <= MANY).flatten();
-    let also: Vec<usize> = jumps.flat_map(|row| [row.saturating_sub(1), *row]).collect();
-    drawn_rows(history.len(), &columns, &also)
-}
-
-/// Times with a slack cable; what is nearer together than a thousandth of the run is one.
-fn slack_spans(history: &History) -> Vec<[f64; 2]> {
-    let times = &history.run.times;
-    let apart = (times[times.len() - 1] - times[0]) / 1e3;
-    let mut spans: Vec<[f64; 2]> = vec![];
-    for row in (0..times.len()).filter(|row| history.is_slack(*row)) {
-        match spans.last_mut() {
-            Some(last) if times[row] - last[1] <= apart => last[1] = times[row],
-            _ => spans.push([times[row]; 2]),
-        }
-    }
-    spans
+    let mut shown = drawn.to_vec();
+    shown.extend(jumps.flat_map(|row| [row.saturating_sub(1), *row]));
+    shown.sort_unstable();
+    shown.dedup();
+    shown
 }
 
 /// A share of the weight that a cable seldom bears, or the limit if that is less, N.

@@ -1,8 +1,9 @@
 //! The report's facts: what was run and with what, and what came of it, in words.
 
+use super::Slack;
+use super::digest::Digest;
 use super::history::{Arrival, History};
 use super::run_folder::Model;
-use super::{Slack, Summary};
 use cable_robot::control::{Barrier, barrier};
 use cable_robot::plan::{Planner, PoseSource, Status};
 use cable_robot::robot::{Pose, Rig};
@@ -11,8 +12,8 @@ use cable_robot::robot::{Pose, Rig};
 const MOST_GOALS: usize = 10;
 
 /// What was run and with what, and what came of it.
-pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)> {
-    let info = history.info;
+pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> {
+    let (info, summary) = (history.info, &digest.summary);
     let (controller, plant) = (&info.controller_parameters, &info.plant_parameters);
     let gains = controller.gains();
     let (planner, _) = controller.planner.described();
@@ -67,7 +68,7 @@ pub fn facts(history: &History, summary: &Summary) -> Vec<(&'static str, String)
                 [force, torque] => format!("up to {force:.3} N and {torque:.3} N m"),
             },
         ),
-        ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, history.len())),
+        ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, digest.rows)),
         ("Written by", format!("cable-robot {}", info.program_version)),
     ];
     if let Some(scenario) = &info.scenario {

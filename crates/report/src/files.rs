@@ -1,13 +1,12 @@
-//! Files: read as text, tried before the work, written whole or not at all.
+//! Files: tried before the work, written whole or not at all.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
 use super::RunFolderError;
-use super::limits::LONGEST_TEXT;
 
 /// As Linux follows.
 const MOST_LINKS: usize = 40;
@@ -95,27 +94,6 @@ pub fn probe(path: &Path) -> Result<(), RunFolderError> {
         _ => tempfile::tempfile_in(folder_of(&place)).map(drop),
     });
     tried.map_err(|reason| unwritten(path, reason))
-}
-
-/// The text of a file.
-///
-/// # Errors
-/// What the system says, or the line of the first byte that is not UTF-8.
-pub fn read_text(path: &Path) -> io::Result<String> {
-    let mut bytes = vec![];
-    File::open(path)?.take(LONGEST_TEXT + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LONGEST_TEXT {
-        return Err(io::Error::other(format!(
-            "it has more than {LONGEST_TEXT} bytes, the most that are read"
-        )));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let (before, byte) = (&error.as_bytes()[..at], error.as_bytes()[at]);
-        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
-        let said = format!("line {line}: byte {at} (0x{byte:02x}) is not UTF-8; the file must be UTF-8 text");
-        io::Error::new(io::ErrorKind::InvalidData, said)
-    })
 }
 
 /// Where a file goes: links lead there, as far as they can be trusted.
@@ -290,12 +268,6 @@ mod tests {
     }
 
     #[test]
-    fn a_text_without_end_is_refused_with_the_number_of_bytes() {
-        let said = read_text(Path::new("/dev/zero")).unwrap_err().to_string();
-        assert_eq!(said, "it has more than 67108864 bytes, the most that are read");
-    }
-
-    #[test]
     fn a_device_is_not_replaced_by_a_file() {
         let folder = tempfile::tempdir().unwrap();
         let [device, link] = ["device", "link"].map(|name| folder.path().join(name));
@@ -308,14 +280,5 @@ mod tests {
         std::os::unix::fs::symlink(&file, &link).unwrap();
         write_whole(&link, |file| file.write_all(b"new")).unwrap();
         assert!(link.is_symlink() && fs::read_to_string(&file).unwrap() == "new");
-    }
-
-    #[test]
-    fn what_is_not_text_is_named_with_its_line() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("file");
-        fs::write(&path, b"one\ntwo \xff").unwrap();
-        let said = read_text(&path).unwrap_err().to_string();
-        assert!(said.starts_with("line 2: byte 8 (0xff) is not UTF-8"), "{said}");
     }
 }

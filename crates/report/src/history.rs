@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::digest::Digest;
 use super::{Run, RunFolder, RunInfo, Table, TableError};
 use cable_robot::control::Reference;
 use cable_robot::plan::Status;
@@ -16,6 +17,8 @@ const DISTURBANCES: [&str; 2] = ["plant.disturbanceForce", "plant.disturbanceTor
 pub struct History<'a> {
     /// What was run.
     pub info: &'a RunInfo,
+    /// All columns.
+    pub table: &'a Table,
     /// The paper's robot, if the plant is that and stands where the paper's does.
     pub paper: Option<RobotParameters>,
     /// Its plain columns.
@@ -67,6 +70,7 @@ impl<'a> History<'a> {
         };
         Ok(Self {
             info: &folder.info,
+            table,
             paper: Shape::of(&folder.info.plant_parameters.rig)
                 .ok()
                 .filter(Shape::is_in_place)
@@ -82,6 +86,15 @@ impl<'a> History<'a> {
             disturbance: DISTURBANCES.map(|name| greatest(table, name)),
             disturbed: disturbed(table, &folder.run()?.times),
         })
+    }
+
+    /// Of the rows that a digest has, with what it says of all.
+    ///
+    /// # Errors
+    /// As of [`new`](Self::new).
+    pub fn of(digest: &'a Digest) -> Result<Self, TableError> {
+        let (disturbance, disturbed) = (digest.disturbance, digest.disturbed_spans.clone());
+        Ok(Self { disturbance, disturbed, ..Self::new(&digest.folder)? })
     }
 
     /// Number of rows.

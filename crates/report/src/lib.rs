@@ -4,6 +4,7 @@
 
 mod compare;
 mod data;
+mod digest;
 mod domains;
 mod explanation;
 pub mod facts;
@@ -18,6 +19,7 @@ pub mod table;
 mod thinning;
 
 pub use compare::{CompareError, compare};
+pub use digest::Digest;
 pub use page::html;
 pub use recording::Recording;
 pub use run::{Run, SetPoint, Slack, SmallestTension, Summary};

@@ -1,9 +1,5 @@
 //! How much is read from files; more is refused with its number.
 
-/// Bytes of a text file: a rig, a scenario, `run.json`.
-pub const LONGEST_TEXT: u64 = 1 << 26;
-/// Bytes of a line of CSV.
-pub const LONGEST_LINE: usize = 1 << 20;
 /// Columns of a table; of sixteen cables a run has some 300.
 pub const MOST_COLUMNS: usize = 10_000;
 /// Numbers in a table: a million rows of sixteen cables are 3e8.

@@ -6,9 +6,10 @@ use quick_xml::escape::escape;
 use serde::Serialize;
 
 use super::data::{Data, MANY, kept};
+use super::digest::Digest;
 use super::facts::{facts, first_of, limits};
 use super::history::{Arrival, History, status_name};
-use super::{RunFolder, Summary, TableError};
+use super::{Summary, TableError};
 use cable_robot::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -31,15 +32,15 @@ const UPLOT_STYLE: &str = include_str!("page/uplot/uPlot.min.css");
 ///
 /// # Errors
 /// [`TableError::Missing`]: a column that is needed is not there.
-pub fn html(folder: &RunFolder) -> Result<String, TableError> {
-    let history = History::new(folder)?;
-    let summary = history.run.summary();
-    let data = Data::new(&history);
+pub fn html(digest: &Digest) -> Result<String, TableError> {
+    let history = History::of(digest)?;
+    let (info, summary) = (&digest.folder.info, &digest.summary);
+    let data = Data::new(digest, &history);
     let turned = history.set_point.iter().any(|pose| pose.angles().amax() > 5e-5);
     let places = [
-        ("title", escape(&folder.info.title).into_owned()),
-        ("verdict", verdict(&history, &summary)),
-        ("facts", table(&facts(&history, &summary))),
+        ("title", escape(&info.title).into_owned()),
+        ("verdict", verdict(&history, summary)),
+        ("facts", table(&facts(digest, &history))),
         ("set_points", set_points(&history, turned)),
         ("more_set_points", more_set_points(&history)),
         ("angle_heads", angle_heads(turned).to_owned()),
@@ -48,9 +49,9 @@ pub fn html(folder: &RunFolder) -> Result<String, TableError> {
         ("figure_6", of_the_paper("Fig. 6", &history)),
         ("p_source", p_source(&history).to_owned()),
         ("predicted_by", predicted_by(&history).to_owned()),
-        ("limits", limits(&history.info.controller_parameters.rig)),
+        ("limits", limits(&info.controller_parameters.rig)),
         ("kept_key", kept_key([&history])),
-        ("drawn", drawn(data.rows(), history.len())),
+        ("drawn", drawn(data.rows(), digest.rows)),
     ];
     Ok(page(TEMPLATE, SCRIPT, &data, &places))
 }
@@ -218,13 +219,17 @@ fn set_points(history: &History, turned: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Table;
     use crate::tests::run;
+    use crate::{RunFolder, Table};
     use cable_robot::sim::Scenario;
+
+    fn page_of(run: &RunFolder) -> String {
+        html(&Digest::of(run).unwrap()).unwrap()
+    }
 
     #[test]
     fn twenty_noisy_seconds_stay_small_and_stand_alone() {
-        let page = html(&run(PlannerKind::Exact, 20.0, 0.5)).unwrap();
+        let page = page_of(&run(PlannerKind::Exact, 20.0, 0.5));
         assert!(page.len() < 6_000_000, "{} bytes", page.len());
         for fetched in ["src=", "@import", "url(", "<link rel=\"stylesheet"] {
             assert!(!page.contains(fetched), "{fetched}");
@@ -254,7 +259,7 @@ mod tests {
             "controller.setPoint.x" | "controller.goalPose.x" => 0.1 * (row as f64 / 3e3).sin(),
             _ => value,
         });
-        let page = html(&folder).unwrap();
+        let page = page_of(&folder);
         assert!(page.len() < 6_000_000, "{} bytes", page.len());
         assert!(page.contains("set points <b>20000</b>"));
         assert!(page.matches("<tr>").count() < 300, "{} rows of tables", page.matches("<tr>").count());
@@ -275,7 +280,7 @@ mod tests {
             duration: 0.1,
             step: 0.01,
         });
-        let page = html(&folder).unwrap();
+        let page = page_of(&folder);
         assert!(page.contains("<li>goal <b>the start, held</b></li>"));
         assert!(page.contains("<li>status at the end <b>at the goal</b></li>"));
         assert!(!page.contains("at the goal after") && !page.contains(" given at "));
@@ -285,14 +290,12 @@ mod tests {
             "controller.status" if row > 3 => f64::from(Status::SensorFault.number()),
             _ => value,
         });
-        assert!(
-            html(&folder).unwrap().contains("<li class=\"bad\">status at the end <b>sensor fault</b></li>")
-        );
+        assert!(page_of(&folder).contains("<li class=\"bad\">status at the end <b>sensor fault</b></li>"));
     }
 
     #[test]
     fn text_is_escaped_and_results_are_there() {
-        let page = html(&run(PlannerKind::Bounded, 8.0, 0.0)).unwrap();
+        let page = page_of(&run(PlannerKind::Bounded, 8.0, 0.0));
         assert!(page.contains("<h1>A &amp; B &lt;/script&gt;</h1>"));
         assert!(page.contains("<li class=\"bad\">goals reached <b>1 of 2</b></li>"));
         assert!(page.contains("(0.1, 0.1, 1) m given at 0.000 s: reached after "));

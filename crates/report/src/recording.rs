@@ -68,18 +68,29 @@ impl Recording {
         Self { variables: variables(cables), values, table: Table::new(columns(cables)) }
     }
 
-    /// Adds a row, and gives it back, without its time.
+    /// Adds a row.
     ///
     /// # Errors
     /// [`NotFinite`]; the row is not added then.
-    pub fn push(&mut self, moment: &Moment) -> Result<Vec<f64>, NotFinite> {
-        let row = self.row(moment);
-        if let Some(k) = row.iter().position(|value| !value.is_finite()) {
-            let (column, value) = (self.table.names()[k + 1].clone(), row[k]);
-            return Err(NotFinite { column, value, time: moment.time });
-        }
+    pub fn push(&mut self, moment: &Moment) -> Result<(), NotFinite> {
+        let row = self.finite(moment)?;
         self.table.push(moment.time, &row);
-        Ok(row)
+        Ok(())
+    }
+
+    /// A moment's values as of [`row`](Self::row), without taking it down.
+    ///
+    /// # Errors
+    /// [`NotFinite`].
+    pub fn finite(&mut self, moment: &Moment) -> Result<Vec<f64>, NotFinite> {
+        let row = self.row(moment);
+        match row.iter().position(|value| !value.is_finite()) {
+            Some(k) => {
+                let (column, value) = (self.table.names()[k + 1].clone(), row[k]);
+                Err(NotFinite { column, value, time: moment.time })
+            }
+            None => Ok(row),
+        }
     }
 
     /// The columns, `time` first.

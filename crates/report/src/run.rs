@@ -50,7 +50,7 @@ impl fmt::Display for SmallestTension {
 }
 
 /// What a run comes down to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// The start, then every set point in its turn.
     pub set_points: Vec<SetPoint>,
@@ -83,44 +83,61 @@ impl fmt::Display for Slack {
 impl Run {
     /// Reads the results off the columns.
     pub fn summary(&self) -> Summary {
-        let first = |column: &[f64]| column.iter().position(|value| *value != 0.0).map(|row| self.times[row]);
-        Summary {
-            set_points: self.set_points(),
-            smallest_tension: self.smallest_tension(),
-            time_to_goal: first(&self.at_goal),
-            slack: (0..self.slack.len()).filter_map(|i| self.slack_of(i)).collect(),
+        let mut summary = Summary::default();
+        summary.add(self, 0);
+        summary
+    }
+}
+
+impl Summary {
+    /// Adds a part of a run, of which the first row is known already (1) or none is (0): the last row of the part before is the first of the next.
+    pub fn add(&mut self, run: &Run, known: usize) {
+        self.add_set_points(run, known);
+        let smallest = smallest_tension(run, known);
+        if let Some(found) =
+            smallest.filter(|u| self.smallest_tension.is_none_or(|known| u.value < known.value))
+        {
+            self.smallest_tension = Some(found);
         }
+        let arrived = || (known..run.times.len()).find(|row| run.at_goal[*row] != 0.0);
+        self.time_to_goal = self.time_to_goal.or_else(|| arrived().map(|row| run.times[row]));
+        (0..run.slack.len()).for_each(|i| self.add_slack(run, i, known));
+    }
+
+    fn add_set_points(&mut self, run: &Run, known: usize) {
+        let is_new = |&row: &usize| row == 0 || run.set_point_index[row] != run.set_point_index[row - 1];
+        let at = |row: usize| SetPoint {
+            time: run.times[row],
+            position: std::array::from_fn(|k| run.set_point[k][row]),
+        };
+        self.set_points.extend((known..run.times.len()).filter(is_new).map(at));
     }
 
     /// Of a cable, from 0. A row speaks of the time since the one before.
-    fn slack_of(&self, i: usize) -> Option<Slack> {
-        let (times, column) = (&self.times, &self.slack[i]);
-        let first = column.iter().position(|value| *value != 0.0)?;
-        let is_slack = |row: &usize| column[*row] != 0.0;
-        let duration = (1..times.len()).filter(is_slack).map(|row| times[row] - times[row - 1]).sum();
-        Some(Slack { cable: i + 1, first: times[first], duration })
+    fn add_slack(&mut self, run: &Run, i: usize, known: usize) {
+        let (times, column) = (&run.times, &run.slack[i]);
+        let place = self.slack.partition_point(|slack| slack.cable <= i);
+        for row in (known..times.len()).filter(|row| column[*row] != 0.0) {
+            if self.slack.get(place).is_none_or(|slack| slack.cable != i + 1) {
+                self.slack.insert(place, Slack { cable: i + 1, first: times[row], duration: 0.0 });
+            }
+            if row > 0 {
+                self.slack[place].duration += times[row] - times[row - 1];
+            }
+        }
     }
+}
 
-    fn set_points(&self) -> Vec<SetPoint> {
-        let is_new = |&row: &usize| row == 0 || self.set_point_index[row] != self.set_point_index[row - 1];
-        let at = |row: usize| SetPoint {
-            time: self.times[row],
-            position: std::array::from_fn(|k| self.set_point[k][row]),
-        };
-        (0..self.times.len()).filter(is_new).map(at).collect()
-    }
-
-    fn smallest_tension(&self) -> Option<SmallestTension> {
-        let of_cable = |i: usize| {
-            let samples = self.tension[i].iter().zip(&self.times);
-            samples.map(move |(value, time)| SmallestTension { value: *value, cable: i + 1, time: *time })
-        };
-        // Of equals the first.
-        let order = |a: &SmallestTension, b: &SmallestTension| {
-            a.value.total_cmp(&b.value).then(a.time.total_cmp(&b.time))
-        };
-        (0..self.tension.len()).flat_map(of_cable).min_by(order)
-    }
+/// Of the rows from `known` on; of equals the first.
+fn smallest_tension(run: &Run, known: usize) -> Option<SmallestTension> {
+    let of_cable = |i: usize| {
+        let samples = run.tension[i].iter().zip(&run.times).skip(known);
+        samples.map(move |(value, time)| SmallestTension { value: *value, cable: i + 1, time: *time })
+    };
+    let order = |a: &SmallestTension, b: &SmallestTension| {
+        a.value.total_cmp(&b.value).then(a.time.total_cmp(&b.time))
+    };
+    (0..run.tension.len()).flat_map(of_cable).min_by(order)
 }
 
 #[cfg(test)]
@@ -170,8 +187,35 @@ mod tests {
 
     #[test]
     fn an_empty_run_has_no_results() {
-        let nothing =
-            Summary { set_points: vec![], smallest_tension: None, time_to_goal: None, slack: vec![] };
-        assert_eq!(Run::default().summary(), nothing);
+        assert_eq!(Run::default().summary(), Summary::default());
+    }
+
+    #[test]
+    fn parts_of_a_run_come_to_what_the_whole_does() {
+        let mut whole = run(1_000);
+        for (cable, row) in [(3, 400), (1, 300), (1, 301), (1, 600)] {
+            whole.slack[cable][row] = 1.0;
+        }
+        let part = |rows: std::ops::Range<usize>| {
+            let of = |column: &Vec<f64>| column[rows.clone()].to_vec();
+            Run {
+                times: of(&whole.times),
+                position: whole.position.each_ref().map(of),
+                set_point: whole.set_point.each_ref().map(of),
+                set_point_index: of(&whole.set_point_index),
+                tension: whole.tension.iter().map(of).collect(),
+                slack: whole.slack.iter().map(of).collect(),
+                tension_margin: of(&whole.tension_margin),
+                at_goal: of(&whole.at_goal),
+            }
+        };
+        for length in [1, 7, 100, 300, 500, 999, 1000] {
+            let mut summary = Summary::default();
+            for start in (0..1_000).step_by(length) {
+                let known = usize::from(start > 0);
+                summary.add(&part(start - known..(start + length).min(1_000)), known);
+            }
+            assert_eq!(summary, whole.summary(), "parts of {length}");
+        }
     }
 }

@@ -3,20 +3,21 @@
 //! Whoever runs something writes one (`cable-robot simulate`, `cargo demo`), `cable-robot report` reads it.
 
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Run;
-use super::files::{Part, begin, probe, read_text, unwritten};
+use super::files::{Part, begin, probe, unwritten};
 use super::table::{Rows, Table, TableError};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::orbit::Orbit;
 use cable_robot::robot::ParameterError;
 use cable_robot::robot::parameters::require;
 use cable_robot::sim::PlantParameters;
+use cable_robot_files::read_text;
 
 /// Number of the format that this program writes and reads.
 pub const FORMAT: u32 = 2;
@@ -161,24 +162,19 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError`] with the file, the place in it and what was expected.
     pub fn read(folder: &Path) -> Result<Self, RunFolderError> {
-        Self::read_through(folder, |file| file)
+        let (info, file) = Self::open(folder)?;
+        let csv = |reason| RunFolderError::Csv { path: folder.join(RUN_CSV), reason };
+        Ok(Self { info, table: Table::read_csv(file).map_err(csv)? })
     }
 
-    /// As [`read`](Self::read), `run.csv` through a reader of its own.
-    ///
-    /// # Errors
-    /// As of [`read`](Self::read).
-    pub fn read_through<R: Read>(
-        folder: &Path,
-        reader: impl FnOnce(File) -> R,
-    ) -> Result<Self, RunFolderError> {
+    /// What `run.json` says, and `run.csv`, not yet read.
+    pub(super) fn open(folder: &Path) -> Result<(RunInfo, File), RunFolderError> {
         let (json, csv) = (folder.join(RUN_JSON), folder.join(RUN_CSV));
         let text = read_text(&json).map_err(|reason| RunFolderError::Read { path: json.clone(), reason })?;
         let info = parse(&text, &json)?;
-        let file = File::open(&csv).map_err(|reason| RunFolderError::Read { path: csv.clone(), reason })?;
-        let table =
-            Table::read_csv(reader(file)).map_err(|reason| RunFolderError::Csv { path: csv, reason })?;
-        Ok(Self { info, table })
+        let file = cable_robot_files::open(&csv)
+            .map_err(|reason| RunFolderError::Read { path: csv.clone(), reason })?;
+        Ok((info, file))
     }
 
     /// What the report needs of it. An FMU from elsewhere may lack outputs: its set point is then the goal, its index and

@@ -5,7 +5,8 @@ use std::io::{self, Read, Write};
 
 use thiserror::Error;
 
-use super::limits::{LONGEST_LINE, MOST_COLUMNS, MOST_NUMBERS};
+use super::limits::{MOST_COLUMNS, MOST_NUMBERS};
+use cable_robot_files::Lines;
 
 /// Times are at most this far from 0, s: thirty years.
 const LONGEST: f64 = 1e9;
@@ -157,28 +158,26 @@ impl Table {
     /// # Errors
     /// [`TableError`] with line and column.
     pub fn read_csv(reader: impl Read) -> Result<Self, TableError> {
-        let mut csv = csv::Reader::from_reader(Lines { reader, length: 0 });
-        let names: Vec<String> = csv.headers()?.iter().map(str::to_owned).collect();
-        let first = names.first().cloned().unwrap_or_default();
-        if first != "time" {
-            return Err(TableError::NoTime { found: first });
-        }
-        if names.len() > MOST_COLUMNS {
-            return Err(TableError::TooManyColumns { count: names.len() });
-        }
-        let mut known = HashSet::new();
-        if let Some(name) = names.iter().find(|name| !known.insert(*name)) {
-            return Err(TableError::Twice { name: name.clone() });
-        }
-        let mut table = Self { columns: vec![Vec::new(); names.len()], names };
-        let mut record = csv::StringRecord::new();
-        while csv.read_record(&mut record)? {
-            table.take(&record)?;
-            if table.rows() * table.names.len() > MOST_NUMBERS {
-                return Err(TableError::TooManyNumbers { line: csv.position().line() });
-            }
-        }
-        if table.rows() == 0 { Err(TableError::Empty) } else { Ok(table) }
+        let mut rows = CsvRows::begin(reader)?;
+        let mut table = rows.empty();
+        while rows.next(&mut table)? {}
+        Ok(table)
+    }
+
+    /// The same columns, without a row.
+    pub fn empty(&self) -> Self {
+        Self::new(self.names[1..].iter().cloned())
+    }
+
+    /// Takes out all rows but the last.
+    pub fn keep_last(&mut self) {
+        let gone = self.rows().saturating_sub(1);
+        self.columns.iter_mut().for_each(|column| drop(column.drain(..gone)));
+    }
+
+    /// Adds row number `row`, from 0, of a table with the same columns.
+    pub fn push_of(&mut self, other: &Self, row: usize) {
+        self.columns.iter_mut().zip(&other.columns).for_each(|(column, from)| column.push(from[row]));
     }
 
     /// Adds a row of text.
@@ -199,6 +198,59 @@ impl Table {
             (Some(before), Some(time)) if time <= before => Err(TableError::Order { line, time, before }),
             _ => Ok(()),
         }
+    }
+}
+
+/// A table's CSV, read row by row.
+pub struct CsvRows<R> {
+    csv: csv::Reader<Lines<R>>,
+    record: csv::StringRecord,
+    names: Vec<String>,
+    /// Read so far.
+    rows: usize,
+}
+
+impl<R: Read> CsvRows<R> {
+    /// Reads the names.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn begin(reader: R) -> Result<Self, TableError> {
+        let mut csv = csv::Reader::from_reader(Lines::new(reader));
+        let names: Vec<String> = csv.headers()?.iter().map(str::to_owned).collect();
+        let first = names.first().cloned().unwrap_or_default();
+        if first != "time" {
+            return Err(TableError::NoTime { found: first });
+        }
+        if names.len() > MOST_COLUMNS {
+            return Err(TableError::TooManyColumns { count: names.len() });
+        }
+        let mut known = HashSet::new();
+        if let Some(name) = names.iter().find(|name| !known.insert(*name)) {
+            return Err(TableError::Twice { name: name.clone() });
+        }
+        Ok(Self { csv, record: csv::StringRecord::new(), names, rows: 0 })
+    }
+
+    /// A table of its columns, without a row.
+    pub fn empty(&self) -> Table {
+        Table::new(self.names[1..].iter().cloned())
+    }
+
+    /// Adds the next row to a table of the same columns, whose last is the row before; `false` at the end.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column.
+    pub fn next(&mut self, table: &mut Table) -> Result<bool, TableError> {
+        if !self.csv.read_record(&mut self.record)? {
+            return if self.rows == 0 { Err(TableError::Empty) } else { Ok(false) };
+        }
+        table.take(&self.record)?;
+        self.rows += 1;
+        if self.rows * self.names.len() > MOST_NUMBERS {
+            return Err(TableError::TooManyNumbers { line: self.csv.position().line() });
+        }
+        Ok(true)
     }
 }
 
@@ -232,27 +284,6 @@ impl<W: Write> Rows<W> {
     /// What the writer reports.
     pub fn flush(&mut self) -> io::Result<()> {
         self.csv.flush()
-    }
-}
-
-/// Reads no line that has no end.
-struct Lines<R> {
-    reader: R,
-    /// Of the line so far.
-    length: usize,
-}
-
-impl<R: Read> Read for Lines<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let count = self.reader.read(bytes)?;
-        let end = bytes[..count].iter().rposition(|byte| *byte == b'\n');
-        self.length = end.map_or(self.length + count, |end| count - end - 1);
-        if self.length > LONGEST_LINE {
-            return Err(io::Error::other(format!(
-                "a line has more than {LONGEST_LINE} bytes, the most that are read"
-            )));
-        }
-        Ok(count)
     }
 }
 

@@ -1,28 +1,34 @@
 //! Which rows of a recording are drawn.
 
+use std::ops::Range;
+
 /// Rows at equal distances, for a smooth play.
 const EVEN: usize = 1_000;
 /// Groups of rows of which each column's extremes are drawn as well.
 const GROUPS: usize = 300;
 
-/// At most 1,000 rows at equal distances, in each of 300 groups of rows the least and the greatest value of every column, and the rows
-/// in `also`: in order, each once.
-pub fn drawn_rows(rows: usize, columns: &[&[f64]], also: &[usize]) -> Vec<usize> {
-    let mut drawn: Vec<usize> = (0..rows).step_by(rows.div_ceil(EVEN).max(1)).collect();
-    drawn.extend(rows.checked_sub(1));
-    drawn.extend(also);
-    for start in (0..rows).step_by(rows.div_ceil(GROUPS).max(1)) {
-        let end = rows.min(start + rows.div_ceil(GROUPS));
-        for column in columns {
-            // The first of equals, so that a column at rest adds nothing.
-            let by_value = |a: &usize, b: &usize| column[*a].total_cmp(&column[*b]).then(b.cmp(a));
-            drawn.extend((start..end).max_by(by_value));
-            drawn.extend((start..end).min_by(|a, b| column[*a].total_cmp(&column[*b])));
-        }
+/// How many rows of a run of so many are a group: each column's extremes in it are drawn.
+pub fn group(rows: usize) -> usize {
+    rows.div_ceil(GROUPS).max(1)
+}
+
+/// Whether this row of a run of so many is one of the 1,000 at equal distances, or the last.
+pub fn is_even(row: usize, rows: usize) -> bool {
+    row.is_multiple_of(rows.div_ceil(EVEN).max(1)) || row + 1 == rows
+}
+
+/// The rows in which a column is least or greatest, for each column: in order, each once.
+pub fn extremes(columns: &[&[f64]], rows: Range<usize>) -> Vec<usize> {
+    let mut found = vec![];
+    for column in columns {
+        // The first of equals, so that a column at rest adds nothing.
+        let by_value = |a: &usize, b: &usize| column[*a].total_cmp(&column[*b]).then(b.cmp(a));
+        found.extend(rows.clone().max_by(by_value));
+        found.extend(rows.clone().min_by(|a, b| column[*a].total_cmp(&column[*b])));
     }
-    drawn.sort_unstable();
-    drawn.dedup();
-    drawn
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// Without the digits that no screen shows: `steps` of them to the unit.
@@ -36,15 +42,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extremes_ends_and_what_was_asked_for_are_kept() {
-        let mut column: Vec<f64> = (0..20_000).map(|k| (f64::from(k) / 3e3).sin()).collect();
-        (column[7_777], column[7_778]) = (-9.0, 9.0);
-        let drawn = drawn_rows(20_000, &[&column, &vec![1.0; 20_000]], &[13]);
-        assert!(drawn.is_sorted_by(|a, b| a < b));
-        for row in [0, 13, 7_777, 7_778, 19_999] {
-            assert!(drawn.contains(&row), "{row}");
-        }
-        assert!(drawn.len() < EVEN + 3 * GROUPS, "{}", drawn.len());
+    fn extremes_are_the_first_of_equals() {
+        let mut column: Vec<f64> = (0..2_000).map(|k| (f64::from(k) / 3e3).sin()).collect();
+        (column[777], column[778]) = (-9.0, 9.0);
+        let rest = vec![1.0; 2_000];
+        assert_eq!(extremes(&[&column, &rest], 100..1_000), [100, 777, 778]);
+        assert_eq!(extremes(&[&rest], 1_999..2_000), [1_999]);
     }
 
     #[test]
@@ -53,8 +56,9 @@ mod tests {
     }
 
     #[test]
-    fn short_recordings_are_kept_whole() {
-        assert_eq!(drawn_rows(3, &[&[2.0, 1.0, 3.0]], &[]), [0, 1, 2]);
-        assert_eq!(drawn_rows(1, &[&[2.0]], &[]), [0]);
+    fn rows_at_equal_distances_are_a_thousand_at_most_and_the_last() {
+        let count = |rows: usize| (0..rows).filter(|row| is_even(*row, rows)).count();
+        assert_eq!([1, 3, 1_000, 1_001, 20_000, 1_000_001].map(count), [1, 3, 1_000, 501, 1_001, 1_001]);
+        assert_eq!([0, 300, 301, 20_000].map(group), [1, 1, 2, 67]);
     }
 }

@@ -22,7 +22,7 @@ use cable_robot_fmi::Model;
 use cable_robot_fmi::models::{controller, plant};
 use cable_robot_import::{Fmu, LogMessage, Lost};
 use cable_robot_programs::plain::plain;
-use cable_robot_report::run_folder::{self, FORMAT, RunFolder, RunInfo};
+use cable_robot_report::run_folder::{self, FORMAT, RunInfo};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
 
@@ -120,19 +120,19 @@ impl Simulate {
         let lacking = models.lacking.clone();
         let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
         self.output.as_deref().map_or(Ok(()), prepare)?;
-        let mut record = Record::new(scenario.plant.rig.cables.len(), &lacking, self.sink(&info));
+        let sink = self.sink(&info);
+        let mut record = Record::new(&scenario, info, &lacking, sink);
         let end = match self.simulate(&scenario, models, &mut record, &interruption) {
             Err(error) if lost(&error) == Some(&Lost::Stopped) => Ok(End::Interrupted),
             end => end,
         };
 
-        let table = record.into_table(&lacking);
-        if table.rows() == 0 {
+        if record.summary.is_empty() {
             // A folder that was made for nothing; were it no longer empty, it would stay.
             let _ = self.output.as_ref().filter(|_| !was_there).map(fs::remove_dir);
             return end.map(|_| Outcome::Done);
         }
-        let (status, is_slack) = self.tell(&scenario, &RunFolder { info, table })?;
+        let (status, is_slack) = self.tell(record.summary)?;
         Ok(match (end?, status) {
             (End::Interrupted, _) => {
                 say(format_args!("interrupted: {} s were to be simulated", number(scenario.duration)));
@@ -298,15 +298,14 @@ impl Simulate {
     }
 
     /// The summary: to stderr for people, to stdout for machines. What the controller said last, and whether a cable went slack.
-    fn tell(&self, scenario: &Scenario, recorded: &RunFolder) -> Result<(Option<Status>, bool)> {
-        let run = recorded.run()?;
-        let summary = Summary { scenario, run: &run, table: &recorded.table };
+    fn tell(&self, mut summary: Summary) -> Result<(Option<Status>, bool)> {
+        summary.finish()?;
         // Nothing depends on whether stderr is read.
         let _ = write!(std::io::stderr(), "{}", plain(&summary.as_text()));
         if self.json {
             print_json(&summary.as_json())?;
         }
-        Ok((summary.status(), !run.summary().slack.is_empty()))
+        Ok((summary.status(), summary.is_slack()))
     }
 }
 

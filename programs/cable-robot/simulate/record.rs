@@ -1,13 +1,14 @@
-//! The rows of a simulation: in memory for its summary, and written as they come.
+//! The rows of a simulation, written as they come; in memory are only what they come to and the newest.
 
 use std::io::{Stdout, stdout};
 use std::path::PathBuf;
 
 use anyhow::{Context, Error, Result};
-use cable_robot::sim::Moment;
+use cable_robot::sim::{Moment, Scenario};
 use cable_robot_report::run_folder::{GrowingRun, RunInfo};
-use cable_robot_report::{Recording, Rows, Table};
+use cable_robot_report::{Recording, Rows};
 
+use super::summary::Summary;
 use crate::is_closed_pipe;
 
 /// Where the rows go.
@@ -18,11 +19,12 @@ pub enum Sink {
 }
 
 /// What is taken down of a simulation.
-pub struct Record {
+pub struct Record<'a> {
     recording: Recording,
+    /// What they come to.
+    pub summary: Summary<'a>,
     /// Of the recording's columns after `time` those that the models fill.
     filled: Vec<usize>,
-    names: Vec<String>,
     written: Written,
 }
 
@@ -33,21 +35,23 @@ enum Written {
     Folder(GrowingRun),
 }
 
-impl Record {
-    /// Of a rig with so many cables, without the columns `lacking`.
-    pub fn new(cables: usize, lacking: &[String], sink: Sink) -> Self {
-        let recording = Recording::new(cables);
+impl<'a> Record<'a> {
+    /// Of a scenario, without the columns `lacking`.
+    pub fn new(scenario: &'a Scenario, info: RunInfo, lacking: &[String], sink: Sink) -> Self {
+        let recording = Recording::new(scenario.plant.rig.cables.len());
         let all = recording.names();
         let filled = (1..all.len()).filter(|k| !lacking.contains(&all[*k])).map(|k| k - 1).collect();
-        let names = all.iter().filter(|name| !lacking.contains(name)).cloned().collect();
-        Self { recording, filled, names, written: Written::Not(sink) }
+        let names = all[1..].iter().filter(|name| !lacking.contains(name)).cloned();
+        Self { summary: Summary::new(scenario, info, names), recording, filled, written: Written::Not(sink) }
     }
 
     /// Adds a row, and writes it.
     pub fn push(&mut self, moment: &Moment) -> Result<()> {
-        let numbers = self.recording.push(moment)?;
+        let numbers = self.recording.finite(moment)?;
         let row = [moment.time].into_iter().chain(self.filled.iter().map(|k| numbers[*k]));
-        match self.write(&row.collect::<Vec<_>>()) {
+        let row: Vec<_> = row.collect();
+        self.summary.add(&row);
+        match self.write(&row) {
             // Whoever reads has seen enough; how the run ends is told all the same.
             Err(error) if is_closed_pipe(&error) => self.written = Written::Not(Sink::Nowhere),
             written => written?,
@@ -57,14 +61,13 @@ impl Record {
 
     fn write(&mut self, row: &[f64]) -> Result<()> {
         if let Written::Not(sink) = &mut self.written {
+            let names = self.summary.names();
             self.written = match std::mem::replace(sink, Sink::Nowhere) {
                 Sink::Nowhere => return Ok(()),
                 Sink::Stdout => {
-                    Written::Stdout(Rows::begin(stdout(), &self.names).context("cannot write to stdout")?)
+                    Written::Stdout(Rows::begin(stdout(), names).context("cannot write to stdout")?)
                 }
-                Sink::Folder(folder, info) => {
-                    Written::Folder(GrowingRun::begin(&folder, &info, &self.names)?)
-                }
+                Sink::Folder(folder, info) => Written::Folder(GrowingRun::begin(&folder, &info, names)?),
             };
         }
         match &mut self.written {
@@ -75,12 +78,5 @@ impl Record {
             }
             Written::Folder(run) => Ok(run.add(row)?),
         }
-    }
-
-    /// What was taken down.
-    pub fn into_table(self, lacking: &[String]) -> Table {
-        let mut table = self.recording.into_table();
-        table.drop_columns(lacking);
-        table
     }
 }

@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::RigFile;
 use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
+use cable_robot_files::read_text;
 use cable_robot_programs::errors::similar;
-use cable_robot_report::files::read_text;
 
 use crate::rig;
 

@@ -4,7 +4,7 @@ use cable_robot::plan::Status;
 use cable_robot::robot::Pose;
 use cable_robot::sim::Scenario;
 use cable_robot_report::facts::slack_in_words;
-use cable_robot_report::{Run, SetPoint, Table};
+use cable_robot_report::{RunFolder, RunInfo, SetPoint, Table, TableError};
 use serde_json::{Value, json};
 
 use crate::metres;
@@ -12,20 +12,98 @@ use crate::metres;
 /// Set points shown at either end of a long list.
 const SHOWN: usize = 5;
 
-/// A run and the scenario that led to it. A controller from elsewhere may tell less: what it does not tell is left out.
+/// Rows that are added up at once.
+const PART: usize = 1_000;
+
+/// What a run comes to, and the scenario that led to it. A controller from elsewhere may tell less: what it does not tell is left out.
 pub struct Summary<'a> {
-    pub scenario: &'a Scenario,
-    pub run: &'a Run,
-    pub table: &'a Table,
+    scenario: &'a Scenario,
+    /// The newest rows, of which the first is added up already, unless it is the first of all.
+    recent: RunFolder,
+    known: usize,
+    /// Of the rows that are added up.
+    came_to: cable_robot_report::Summary,
+    /// Roll, pitch and yaw of the set points, rad.
+    angles: Vec<[f64; 3]>,
+    /// When the robot first rested at each goal, s.
+    reached: Vec<Option<f64>>,
+    lacking: Option<TableError>,
 }
 
-impl Summary<'_> {
+impl<'a> Summary<'a> {
+    /// Of no rows yet, of `time` and these columns.
+    pub fn new(scenario: &'a Scenario, info: RunInfo, names: impl Iterator<Item = String>) -> Self {
+        Self {
+            scenario,
+            recent: RunFolder { info, table: Table::new(names) },
+            known: 0,
+            came_to: Default::default(),
+            angles: vec![],
+            reached: vec![None; scenario.goals.len()],
+            lacking: None,
+        }
+    }
+
+    /// Names of the columns, `time` first.
+    pub fn names(&self) -> &[String] {
+        self.recent.table.names()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.recent.table.rows() == 0
+    }
+
+    /// Adds a row, in the order of the names. A column that lacks is said by [`finish`](Self::finish).
+    pub fn add(&mut self, row: &[f64]) {
+        self.recent.table.push(row[0], &row[1..]);
+        if self.recent.table.rows() > PART {
+            self.lacking = self.add_up().err().or(self.lacking.take());
+            self.recent.table.keep_last();
+            self.known = 1;
+        }
+    }
+
+    /// Adds up the last rows.
+    ///
+    /// # Errors
+    /// [`TableError::Missing`]: a column that is needed is not there.
+    pub fn finish(&mut self) -> Result<(), TableError> {
+        self.lacking.take().map_or(Ok(()), Err)?;
+        self.add_up()
+    }
+
+    fn add_up(&mut self) -> Result<(), TableError> {
+        let run = self.recent.run()?;
+        let before = self.came_to.set_points.len();
+        self.came_to.add(&run, self.known);
+        let columns = ["roll", "pitch", "yaw"]
+            .map(|axis| self.recent.table.get(&format!("controller.setPoint.{axis}")));
+        for point in &self.came_to.set_points[before..] {
+            let row = run.times.partition_point(|time| *time < point.time);
+            self.angles.push(columns.map(|column| column.map_or(0.0, |angle| angle[row])));
+        }
+        for k in 0..self.reached.len() {
+            let (from, until) = (self.scenario.goals[k].time, self.end_of(k));
+            let after = |time: f64| run.times.partition_point(|t| *t <= time).max(self.known);
+            let mut rows = after(from)..after(until);
+            let found = rows.find(|row| run.at_goal[*row] != 0.0).map(|row| run.times[row]);
+            self.reached[k] = self.reached[k].or(found);
+        }
+        Ok(())
+    }
+
+    /// Whether a cable was slack.
+    pub fn is_slack(&self) -> bool {
+        !self.came_to.slack.is_empty()
+    }
+
     /// For people.
     pub fn as_text(&self) -> String {
-        let summary = self.run.summary();
+        let summary = &self.came_to;
         let mut text = format!("{}\n", self.scenario.title);
         if self.tells_of_set_points() {
-            text += &set_points(&summary.set_points, &self.angles(&summary.set_points));
+            text += &set_points(&summary.set_points, &self.angles);
         }
         if let Some(smallest) = summary.smallest_tension {
             text += &format!("smallest tension: {smallest}\n");
@@ -46,13 +124,13 @@ impl Summary<'_> {
 
     /// For machines.
     pub fn as_json(&self) -> Value {
-        let summary = self.run.summary();
-        let set_points = summary.set_points.iter().zip(self.angles(&summary.set_points)).map(
+        let summary = &self.came_to;
+        let set_points = summary.set_points.iter().zip(&self.angles).map(
             |(point, angles)| json!({ "time": point.time, "position": point.position, "angles": angles }),
         );
         let goals = self.scenario.goals.iter().enumerate().map(|(k, goal)| {
             let [position, angles]: [[f64; 3]; 2] = [goal.pose.position().into(), goal.pose.angles().into()];
-            json!({ "time": goal.time, "position": position, "angles": angles, "reached": self.reached(k) })
+            json!({ "time": goal.time, "position": position, "angles": angles, "reached": self.reached[k] })
         });
         json!({
             "title": self.scenario.title,
@@ -73,14 +151,14 @@ impl Summary<'_> {
 
     /// What the controller said last; `None` if it has no status.
     pub fn status(&self) -> Option<Status> {
-        let number = *self.table.get("controller.status")?.last()?;
+        let number = *self.recent.table.get("controller.status")?.last()?;
         Some(Status::of(number as i32))
     }
 
     /// How far the platform is from the last goal at the end, m, and how much it is turned from it, rad; `None` without a goal or an end.
     fn left(&self) -> Option<(f64, f64)> {
         let goal = self.scenario.goals.iter().rfind(|goal| goal.time <= self.end())?;
-        let coordinate = |axis| self.table.get(&format!("plant.encoderPose.{axis}"))?.last().copied();
+        let coordinate = |axis| self.recent.table.get(&format!("plant.encoderPose.{axis}"))?.last().copied();
         let mut end = Pose::default();
         for (k, axis) in ["x", "y", "z", "roll", "pitch", "yaw"].into_iter().enumerate() {
             end.0[k] = coordinate(axis)?;
@@ -89,23 +167,12 @@ impl Summary<'_> {
         Some(((end.position() - goal.pose.position()).norm(), turn))
     }
 
-    /// Roll, pitch and yaw of the set points, rad.
-    fn angles(&self, points: &[SetPoint]) -> Vec<[f64; 3]> {
-        let columns =
-            ["roll", "pitch", "yaw"].map(|axis| self.table.get(&format!("controller.setPoint.{axis}")));
-        let row = |point: &SetPoint| self.run.times.partition_point(|time| *time < point.time);
-        points
-            .iter()
-            .map(|point| columns.map(|column| column.map_or(0.0, |angle| angle[row(point)])))
-            .collect()
-    }
-
     fn tells_of_set_points(&self) -> bool {
-        self.table.get("controller.setPointIndex").is_some()
+        self.recent.table.get("controller.setPointIndex").is_some()
     }
 
     fn tells_of_goals(&self) -> bool {
-        self.table.get("controller.atGoal").is_some()
+        self.recent.table.get("controller.atGoal").is_some()
     }
 
     /// A line each, the middle of a long list left out.
@@ -123,19 +190,11 @@ impl Summary<'_> {
     fn goal(&self, k: usize) -> String {
         let goal = &self.scenario.goals[k];
         let given = format!("goal {} given at {} s:", place(&goal.pose), goal.time);
-        match self.reached(k) {
+        match self.reached[k] {
             Some(time) => format!("{given} reached after {:.3} s\n", time - goal.time),
             None if self.end() < goal.time => format!("{given} the run ended before\n"),
             None => format!("{given} not reached by {:.3} s\n", self.end_of(k).min(self.end())),
         }
-    }
-
-    /// When the robot first rested at goal `k`, s.
-    fn reached(&self, k: usize) -> Option<f64> {
-        let (from, until) = (self.scenario.goals[k].time, self.end_of(k));
-        let times = &self.run.times;
-        let mut rows = times.partition_point(|t| *t <= from)..times.partition_point(|t| *t <= until);
-        rows.find(|row| self.run.at_goal[*row] != 0.0).map(|row| times[row])
     }
 
     /// When the next goal is given, s.
@@ -145,7 +204,7 @@ impl Summary<'_> {
 
     /// Time of the last row, s.
     fn end(&self) -> f64 {
-        self.run.times.last().copied().unwrap_or(0.0)
+        self.recent.table.get("time").and_then(|times| times.last().copied()).unwrap_or(0.0)
     }
 }
 

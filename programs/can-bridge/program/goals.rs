@@ -7,7 +7,7 @@ use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Goal, ScenarioFile};
 use cable_robot_fieldbus::{Config, Nanoseconds, State};
-use cable_robot_report::files::read_text;
+use cable_robot_files::read_text;
 
 /// The goals of the file; nothing else in it is used.
 pub fn read(path: &Path, config: &Config) -> Result<Vec<Goal>> {

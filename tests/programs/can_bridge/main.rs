@@ -18,7 +18,7 @@ use cable_robot_fieldbus::State;
 use cable_robot_fieldbus::cia402::DriveState;
 use cable_robot_fieldbus::simulated::Bench;
 use cable_robot_fieldbus::transport::{Transport, now, pseudo_terminal};
-use cable_robot_report::{RunFolder, html};
+use cable_robot_report::{Digest, RunFolder, html};
 use serde_json::Value;
 
 use lab::{Lab, PATIENCE, Program, can_bridge, config, hurry, packed, replay, replay_with, rig_text, send};
@@ -50,7 +50,7 @@ fn the_papers_move_is_made_recorded_and_replayed_bit_for_bit() {
         println!("cable {i}: at least {least:.3} N");
         assert!(least > 0.0, "cable {i}: {least} N");
     }
-    assert!(html(&folder).unwrap().contains("a rig with drives and load cells"));
+    assert!(html(&Digest::of(&folder).unwrap()).unwrap().contains("a rig with drives and load cells"));
 
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");

@@ -5,6 +5,8 @@ mod completions;
 mod ctrl_c;
 mod figures;
 mod foreign;
+#[cfg(target_os = "linux")]
+mod memory;
 mod modelica;
 mod orbit;
 mod outputs;

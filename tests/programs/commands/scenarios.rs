@@ -145,7 +145,7 @@ fn unreachable_is_said_and_no_cable_goes_slack() {
 fn the_program_writes_what_the_library_computes() {
     let scenario = bundled("gust");
     let mut recording = Recording::new(6);
-    moments(&scenario).iter().for_each(|moment| drop(recording.push(moment).unwrap()));
+    moments(&scenario).iter().for_each(|moment| recording.push(moment).unwrap());
     let RunFolder { info, table } = recorded(&["gust"]);
     assert!(table == recording.into_table());
     assert_eq!((info.scenario.as_deref(), info.step), (Some("gust"), 1e-3));

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use cable_robot_bindings::fmi2::*;
 
-use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed};
+use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed, say_progress};
 
 /// Stands for the standard's variadic function: the FMUs send one preformatted text and nothing after it.
 type PlainLogger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_char, *const c_char);
@@ -52,6 +52,7 @@ fn run(packed: &Packed, seed: u64, sequences: u64) {
     };
     let token = CString::new(packed.token.as_str()).unwrap();
     for k in 0..sequences {
+        say_progress(&packed.description.model_identifier, k, sequences);
         let mut dice = Dice::new(seed, k, &packed.references);
         unsafe { sequence(&library, &callbacks, &token, &mut dice) };
     }

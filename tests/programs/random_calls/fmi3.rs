@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use cable_robot_bindings::fmi3::*;
 
-use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed};
+use super::{Dice, LENGTH, Packed, SEQUENCES, count_message, explained, night, packed, say_progress};
 
 unsafe extern "C" fn log(_: *mut c_void, _: u32, _: *const c_char, message: *const c_char) {
     assert!(!message.is_null());
@@ -40,6 +40,7 @@ fn run(packed: &Packed, seed: u64, sequences: u64) {
     let library = unsafe { Fmi3Library::new(&packed.library) }.unwrap();
     let token = CString::new(packed.token.as_str()).unwrap();
     for k in 0..sequences {
+        say_progress(&packed.description.model_identifier, k, sequences);
         let mut dice = Dice::new(seed, k, &packed.references);
         unsafe { sequence(&library, &token, &mut dice) };
     }

@@ -53,7 +53,8 @@ fn packed(version: u8, model: &str) -> Packed {
     std::io::copy(&mut archive.by_name(&name).unwrap(), &mut library).unwrap();
     let mut xml = String::new();
     archive.by_name("modelDescription.xml").unwrap().read_to_string(&mut xml).unwrap();
-    let description = ModelDescription::parse(&xml).unwrap();
+    // The importer reads co-simulation only; variables are described alike.
+    let description = ModelDescription::parse(&xml.replace("ModelExchange", "CoSimulation")).unwrap();
     Packed {
         library: library.into_temp_path(),
         token: description.token.clone(),
@@ -72,6 +73,13 @@ fn random_of(seed: u64, case: u64) -> Pcg64 {
 fn night(cases: u64) -> (u64, u64) {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse().unwrap());
     (number("SEED").unwrap_or(2), number("CASES").unwrap_or(cases))
+}
+
+/// Says of a million cases or more at each hundredth how many are done.
+fn say_progress(what: &str, done: u64, cases: u64) {
+    if cases >= 1_000_000 && done.is_multiple_of(cases / 100) {
+        eprintln!("{what}: {done} of {cases}");
+    }
 }
 
 /// Where the randomness of one sequence comes from.

@@ -1,155 +1,26 @@
 //! Saved states in which something was changed and the checksum mended: what is taken up must be a state that a run can have left, or one from which all commands are
 //! within the limits that it says, without a panic and in little time.
 
-use std::cell::RefCell;
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::ptr::{null, null_mut};
+mod host;
+
 use std::time::Duration;
 
-use cable_robot_bindings::fmi3::*;
-use cable_robot_import::VariableType;
+use cable_robot_bindings::fmi3::Fmi3Library;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::{Packed, night, packed, random_of};
+use self::host::{DEFECT, Host};
+use super::{Packed, night, packed, random_of, say_progress};
 
 /// Before the payload: magic, format, token, length.
 const LENGTH_AT: usize = 8 + 4 + 36;
 const PAYLOAD_AT: usize = LENGTH_AT + 8;
 const CHECKSUM: usize = 4;
 
-const STEP: f64 = 1e-3;
 /// Steps that a state that was taken up has to make.
 const STEPS: usize = 3;
 /// CPU time that no step may take, s: a plant in an extreme state makes 100,000 steps of integration before it gives up.
 const SLOWEST: [f64; 2] = [0.5, 5.0];
-
-thread_local! {
-    /// What the library said of a failure of its own.
-    static DEFECT: RefCell<Option<String>> = const { RefCell::new(None) };
-}
-
-unsafe extern "C" fn log(_: *mut c_void, _: u32, _: *const c_char, message: *const c_char) {
-    let text = unsafe { CStr::from_ptr(message) }.to_string_lossy();
-    if text.contains("internal reason") {
-        DEFECT.set(Some(text.into_owned()));
-    }
-}
-
-/// An instance of a packed FMU.
-struct Host<'a> {
-    library: &'a Fmi3Library,
-    packed: &'a Packed,
-    instance: *mut c_void,
-}
-
-impl<'a> Host<'a> {
-    fn new(library: &'a Fmi3Library, packed: &'a Packed) -> Self {
-        let token = CString::new(packed.token.as_str()).unwrap();
-        let (name, token) = (c"mutated".as_ptr(), token.as_ptr());
-        let instance = unsafe {
-            library.fmi3InstantiateCoSimulation(
-                name,
-                token,
-                null(),
-                false,
-                false,
-                false,
-                false,
-                null(),
-                0,
-                null_mut(),
-                Some(log),
-                None,
-            )
-        };
-        assert!(!instance.is_null());
-        Self { library, packed, instance }
-    }
-
-    fn set(&self, name: &str, value: f64) {
-        let variable = self.packed.description.variable(name).unwrap();
-        let (l, c, vr) = (self.library, self.instance, &raw const variable.reference);
-        let status = unsafe {
-            match variable.kind {
-                VariableType::Boolean => l.fmi3SetBoolean(c, vr, 1, &(value != 0.0), 1),
-                VariableType::Int32 => l.fmi3SetInt32(c, vr, 1, &(value as i32), 1),
-                _ => l.fmi3SetFloat64(c, vr, 1, &value, 1),
-            }
-        };
-        assert_eq!(status, 0, "{name}");
-    }
-
-    fn get(&self, name: &str) -> f64 {
-        let reference = self.packed.description.variable(name).unwrap().reference;
-        let mut value = f64::NAN;
-        assert_eq!(
-            unsafe { self.library.fmi3GetFloat64(self.instance, &reference, 1, &mut value, 1) },
-            0,
-            "{name}"
-        );
-        value
-    }
-
-    fn integer(&self, name: &str) -> i32 {
-        let reference = self.packed.description.variable(name).unwrap().reference;
-        let mut value = 0;
-        assert_eq!(
-            unsafe { self.library.fmi3GetInt32(self.instance, &reference, 1, &mut value, 1) },
-            0,
-            "{name}"
-        );
-        value
-    }
-
-    fn start(&self) {
-        let (l, c) = (self.library, self.instance);
-        unsafe {
-            assert_eq!(l.fmi3EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0), 0);
-            assert_eq!(l.fmi3ExitInitializationMode(c), 0);
-        }
-    }
-
-    /// The status of a step from where it is.
-    fn step(&self) -> u32 {
-        let (mut event, mut terminate, mut early, mut last) = (false, false, false, 0.0);
-        let (l, c, time) = (self.library, self.instance, self.get("time"));
-        unsafe { l.fmi3DoStep(c, time, STEP, true, &mut event, &mut terminate, &mut early, &mut last) }
-    }
-
-    fn saved(&self) -> Vec<u8> {
-        let (l, c) = (self.library, self.instance);
-        let (mut state, mut size) = (null_mut(), 0);
-        unsafe {
-            assert_eq!(l.fmi3GetFMUState(c, &mut state), 0);
-            assert_eq!(l.fmi3SerializedFMUStateSize(c, state, &mut size), 0);
-            let mut bytes = vec![0; size];
-            assert_eq!(l.fmi3SerializeFMUState(c, state, bytes.as_mut_ptr(), size), 0);
-            assert_eq!(l.fmi3FreeFMUState(c, &mut state), 0);
-            bytes
-        }
-    }
-
-    /// Whether it takes the state up.
-    fn takes(&self, bytes: &[u8]) -> bool {
-        let (l, c, mut state) = (self.library, self.instance, null_mut());
-        unsafe {
-            if l.fmi3DeserializeFMUState(c, bytes.as_ptr(), bytes.len(), &mut state) != 0 {
-                assert!(state.is_null());
-                return false;
-            }
-            let status = l.fmi3SetFMUState(c, state);
-            assert_eq!(l.fmi3FreeFMUState(c, &mut state), 0);
-            status == 0
-        }
-    }
-}
-
-impl Drop for Host<'_> {
-    fn drop(&mut self) {
-        unsafe { self.library.fmi3FreeInstance(self.instance) };
-    }
-}
 
 const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 
@@ -224,6 +95,19 @@ fn states_of_plants(library: &Fmi3Library, packed: &Packed) -> Vec<Vec<u8>> {
     [&[], imperfect].iter().map(end).collect()
 }
 
+/// Of plants for Model Exchange, without and with friction, in motion.
+fn states_of_exchanges(library: &Fmi3Library, packed: &Packed) -> Vec<Vec<u8>> {
+    let end = |friction: f64| {
+        let host = Host::new(library, packed);
+        host.set("friction", friction);
+        host.set("motorTension[1]", 12.0);
+        host.start();
+        (0..50).for_each(|_| assert_eq!(host.step(), 0));
+        host.saved()
+    };
+    [0.0, 1.0].map(end).into()
+}
+
 /// Numbers that stand where others should.
 const NUMBERS: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -3.6e91, -0.71, 0.0, 1e-320, 1e9, -1.0];
@@ -280,13 +164,18 @@ fn run(model: &str, seed: u64, cases: u64) {
     let packed = packed(3, model);
     let library = unsafe { Fmi3Library::new(&packed.library) }.unwrap();
     let is_controller = model == "CableRobotController";
-    let states = if is_controller { states_of_controllers } else { states_of_plants }(&library, &packed);
+    let states = match model {
+        "CableRobotController" => states_of_controllers(&library, &packed),
+        "CableRobotPlantME" => states_of_exchanges(&library, &packed),
+        _ => states_of_plants(&library, &packed),
+    };
     let host = Host::new(&library, &packed);
     for (k, state) in states.iter().enumerate() {
         assert!(host.takes(state) && host.saved() == *state && host.step() == 0, "state {k}");
     }
     let (mut taken, mut steps, mut slowest) = (0, 0, (Duration::ZERO, 0));
     for case in 0..cases {
+        say_progress(model, case, cases);
         let mut random = random_of(seed, case);
         let [mut state, other] = [0, 1].map(|_| states[random.random_range(0..states.len())].clone());
         mutate(&mut random, &mut state, &other);
@@ -329,6 +218,11 @@ fn plants_take_up_no_state_that_makes_them_panic() {
 }
 
 #[test]
+fn plants_for_model_exchange_take_up_no_state_that_makes_them_panic() {
+    run("CableRobotPlantME", 1, 20_000);
+}
+
+#[test]
 #[ignore = "ten million"]
 fn night_of_controllers() {
     let (seed, cases) = night(10_000_000);
@@ -340,4 +234,11 @@ fn night_of_controllers() {
 fn night_of_plants() {
     let (seed, cases) = night(10_000_000);
     run("CableRobotPlant", seed, cases);
+}
+
+#[test]
+#[ignore = "ten million"]
+fn night_of_plants_for_model_exchange() {
+    let (seed, cases) = night(10_000_000);
+    run("CableRobotPlantME", seed, cases);
 }
