@@ -1,7 +1,7 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, FrameQueue, Held, Mode, SafePull};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Held, Mode, SafePull};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use crate::config::SafeOutput;
@@ -70,6 +70,8 @@ impl Bridge {
             let missing = match self.drives[i].state {
                 _ if !self.drives[i].encoder.is_alive(&limits) => Some(Fault::EncoderSilent { cable }),
                 _ if !self.cells[i].is_alive(&limits) => Some(Fault::LoadCellSilent { cable }),
+                // Nothing pulls yet: what a cell says of that is what it will be wrong by.
+                _ if !self.cells[i].agrees() => self.cells[i].disagreement(cable, 0.0, 0).err(),
                 Some(state) if state.is_faulted() => Some(Fault::DriveFault { node, state }),
                 _ => None,
             };
@@ -92,6 +94,9 @@ impl Bridge {
         for i in 0..self.cables() {
             self.drives[i].encoder.home(self.home_length[i]);
         }
+        // What was remembered of lengths was said of others.
+        let lengths = self.lengths();
+        self.still_since.fill(lengths);
         self.pose = self.config.home;
     }
 
@@ -117,6 +122,7 @@ impl Bridge {
         (self.pending, self.reported_faults, self.fault) = Default::default();
         self.drives.fill(DriveMonitor::default());
         self.cells.fill(CellMonitor::default());
+        self.followers.fill(Follower::new());
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }

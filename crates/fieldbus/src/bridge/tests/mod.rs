@@ -2,6 +2,7 @@
 
 mod eight;
 mod faults;
+mod first_day;
 mod masters;
 mod safe_output;
 
