@@ -147,6 +147,9 @@ pub struct Bridge {
     is_shutting_down: bool,
     /// Whether the operator let go since the controller was last enabled.
     is_released: bool,
+    /// When home was last given, and whether it came too late, so that it must be released first.
+    home_given: Nanoseconds,
+    is_home_stale: bool,
     next_heartbeat: Nanoseconds,
     /// Consecutive cycles in which the transport had no room, and whether this is one.
     no_room: u32,
@@ -194,6 +197,8 @@ impl Bridge {
             is_resetting_drives: false,
             is_shutting_down: false,
             is_released: true,
+            home_given: 0,
+            is_home_stale: false,
             next_heartbeat: 0,
             no_room: 0,
             had_no_room: false,

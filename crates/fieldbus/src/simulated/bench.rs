@@ -174,10 +174,19 @@ impl Bench {
         let is_set_up = self.run_until(State::Homing, 20.0);
         // Homing needs a reading of everything.
         self.run(0.1);
-        let is_homed = is_set_up && self.bridge.operator(OperatorCommand::Home, self.now).is_ok();
-        let is_ready = is_homed && self.run_until(State::Ready, 20.0);
+        let is_ready = is_set_up && self.take_up_slack();
         self.is_pressed = true;
         is_ready && self.run_until(State::Enabled, 1.0)
+    }
+
+    /// The operator holds home until the cables are taut. Whether they are.
+    pub fn take_up_slack(&mut self) -> bool {
+        while self.bridge.operator(OperatorCommand::Home, self.now).is_ok()
+            && self.bridge.state() == State::TakingUpSlack
+        {
+            self.cycle();
+        }
+        self.bridge.state() == State::Ready
     }
 
     /// Sends the platform somewhere.

@@ -153,3 +153,48 @@ fn a_gear_of_five_for_one_is_found_while_slack_is_taken_up_with_the_platform_on_
     let begun = bench.events.iter().find(|(_, e)| *e == Event::Entered(State::TakingUpSlack)).unwrap().0;
     assert!(fault - begun < 1_000_000_000, "in the first half of the ramp");
 }
+
+#[test]
+fn letting_go_of_home_stops_the_motors_in_taking_up_slack_and_in_ready() {
+    let is_off =
+        |bench: &Bench| bench.rig.drives.iter().all(|drive| drive.state() == DriveState::SwitchOnDisabled);
+    for (command, state) in
+        [(OperatorCommand::Release, State::Homing), (OperatorCommand::Reset, State::Configuring)]
+    {
+        for until_ready in [false, true] {
+            let mut bench = at_homing(as_said());
+            bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+            if until_ready {
+                assert!(bench.take_up_slack());
+            } else {
+                bench.run(0.4);
+            }
+            bench.run(0.05);
+            assert!(
+                bench.rig.motor_tension().iter().all(|tension| *tension > 0.0),
+                "{command:?} {until_ready}"
+            );
+            bench.bridge.operator(command, bench.now).unwrap();
+            assert_eq!(bench.bridge.state(), state);
+            bench.run(0.02);
+            assert!(is_off(&bench), "{command:?} {until_ready}");
+        }
+    }
+}
+
+#[test]
+fn home_that_is_not_given_again_stops_the_motors_and_one_that_comes_late_starts_nothing() {
+    let mut bench = at_homing(as_said());
+    bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+    bench.run(0.49);
+    assert_eq!(bench.bridge.state(), State::TakingUpSlack);
+    bench.run(0.02);
+    assert_eq!(bench.bridge.state(), State::Homing);
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::LetGo(Cause::EnableExpired)));
+    bench.run(0.02);
+    assert_eq!(bench.rig.motor_tension(), PerCable::filled(6, 0.0));
+    assert_eq!(bench.bridge.operator(OperatorCommand::Home, bench.now), Err(Refusal::StillPressed));
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    bench.run(0.1);
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+}
