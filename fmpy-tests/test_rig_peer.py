@@ -153,8 +153,7 @@ def session(rig, lab):
 def enabled(start) -> Session:
     session = start()
     session.wait_for("Homing")
-    session.wait_for("TakingUpSlack", again="home")
-    session.wait_for("Ready")
+    session.wait_for("Ready", again="home")
     session.wait_for("Enabled", again="enable")
     return session
 
@@ -294,8 +293,7 @@ def test_an_emergency_ends_the_controllers_tensions_and_only_a_reset_leads_on(la
     session.say("release")
     session.say("reset")
     session.wait_for("Homing")
-    session.wait_for("TakingUpSlack", again="home")
-    session.wait_for("Ready")
+    session.wait_for("Ready", again="home")
     assert [drive.states[-1] for drive in lab.drives] == ["Operation enabled"] * 6
     assert session.end() == 0
 

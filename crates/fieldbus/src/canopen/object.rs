@@ -128,6 +128,11 @@ pub fn map_pdo(direction: Direction, cob_id: u16, entries: &[(Object, Width)]) -
     writes
 }
 
+/// Makes a node say when its first receive PDO has not come for so many ms (event timer, 0x1400:5); not every node can.
+pub fn receive_deadline(milliseconds: u16) -> (Object, Value) {
+    (Object::new(0x1400, 5), Value::u16(milliseconds))
+}
+
 /// Makes a node tell its state every so many ms (0x1017).
 pub fn produce_heartbeat(milliseconds: u16) -> (Object, Value) {
     (Object::new(0x1017, 0), Value::u16(milliseconds))
