@@ -27,13 +27,25 @@ use startup::Startup;
 use state::EventLog;
 
 use super::Nanoseconds;
-use super::canopen::{Emergency, NmtState, Node, SdoResponse, TPDO1};
+use super::canopen::eds::Use;
+use super::canopen::{Emergency, NmtState, Node, Object, SdoResponse, TPDO1};
 use super::cia402::DriveState;
 use super::config::Config;
 use super::frame::{Frame, FrameKind, error_class};
 use cable_robot::plan::ControllerOutputs;
 use cable_robot::robot::{PerCable, Pose};
 use cable_robot::sim::ControllerModel;
+
+/// What the bridge asks of the objects of a node on a bus, a drive's or a load cell's.
+pub fn needs(config: &Config, (bus, node): (usize, Node)) -> Vec<(Object, Use)> {
+    let drives = config.drives.iter().enumerate();
+    let mut drives = drives.filter(|(_, drive)| (drive.bus, drive.node) == (bus, node));
+    let startup = match drives.next() {
+        Some((cable, _)) => Startup::drive(config, cable),
+        None => Startup::load_cell(config, node),
+    };
+    startup.needs()
+}
 
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]

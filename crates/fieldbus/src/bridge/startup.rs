@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use crate::Nanoseconds;
+use crate::canopen::eds::Use;
 use crate::canopen::{
     Direction, NmtCommand, NmtState, Node, Object, SdoRequest, SdoResponse, SdoResult, TPDO1, Value, Width,
     object,
@@ -96,6 +97,20 @@ impl Startup {
         script.extend(object::map_pdo(Direction::Transmit, id, &entries).into_iter().map(write));
         script.extend(config.load_cell_objects.iter().map(setting));
         Self::new(node, script)
+    }
+
+    /// What is asked of the node's objects. What it may go without is not.
+    pub fn needs(&self) -> Vec<(Object, Use)> {
+        let of_step = |step: &Step| {
+            let Step { object, value, kind, .. } = *step;
+            let what = match kind {
+                Kind::Write => Use::Write(value),
+                Kind::Check | Kind::Await => Use::Read(value.width),
+                Kind::Offer => return [None, None],
+            };
+            [Some((object, what)), mapped(object, value).filter(|_| kind == Kind::Write)]
+        };
+        self.script.iter().flat_map(of_step).flatten().collect()
     }
 
     fn new(node: Node, script: Vec<Step>) -> Self {
@@ -262,6 +277,14 @@ fn torque_mapping(config: &Config, cable: usize) -> Vec<(Object, Width)> {
         entries.push(if is_ours { (TARGET_TORQUE, Width::Bits16) } else { object::DUMMY_16 });
     }
     entries
+}
+
+/// What a write to a PDO's mapping maps.
+fn mapped(object: Object, value: Value) -> Option<(Object, Use)> {
+    let direction = Direction::of_mapping(object)?;
+    let [index, rest] = [value.bits >> 16, value.bits & 0xFFFF];
+    let width = Width::of_bytes((rest & 0xFF) as u8 / 8)?;
+    Some((Object::new(index as u16, (rest >> 8) as u8), Use::Map(direction, width)))
 }
 
 fn milliseconds(time: Nanoseconds) -> u16 {

@@ -96,6 +96,16 @@ impl Direction {
             Self::Transmit => 0x1800,
         }
     }
+
+    /// Of the PDO that an object maps a value to.
+    pub fn of_mapping(object: Object) -> Option<Self> {
+        match object {
+            Object { subindex: 0, .. } => None,
+            Object { index: 0x1600..=0x17FF, .. } => Some(Self::Receive),
+            Object { index: 0x1A00..=0x1BFF, .. } => Some(Self::Transmit),
+            _ => None,
+        }
+    }
 }
 
 /// Set in a PDO's COB-ID: the PDO is off.
