@@ -10,6 +10,7 @@ import time
 import tomllib
 from pathlib import Path
 
+import canopen
 import pytest
 
 from rig_peer import CYCLIC_SYNCHRONOUS_TORQUE, HEARTBEAT_LOST, OPERATIONAL, VALUE_OUT_OF_RANGE, Lab, null_modem
@@ -153,8 +154,7 @@ def session(rig, lab):
 def enabled(start) -> Session:
     session = start()
     session.wait_for("Homing")
-    session.wait_for("TakingUpSlack", again="home")
-    session.wait_for("Ready")
+    session.wait_for("Ready", again="home")
     session.wait_for("Enabled", again="enable")
     return session
 
@@ -294,8 +294,7 @@ def test_an_emergency_ends_the_controllers_tensions_and_only_a_reset_leads_on(la
     session.say("release")
     session.say("reset")
     session.wait_for("Homing")
-    session.wait_for("TakingUpSlack", again="home")
-    session.wait_for("Ready")
+    session.wait_for("Ready", again="home")
     assert [drive.states[-1] for drive in lab.drives] == ["Operation enabled"] * 6
     assert session.end() == 0
 
@@ -309,3 +308,35 @@ def test_when_the_bridge_is_killed_the_drives_stop_by_themselves(lab, session):
         time.sleep(0.05)
     for drive in lab.drives:
         assert drive.state == "Fault" and drive.value(0x603F) == HEARTBEAT_LOST and drive.pull() == 0.0
+
+
+def test_the_data_sheets_of_these_nodes_have_what_the_bridge_uses_and_what_is_missing_is_named(tmp_path):
+    path, rig = rig_file(tmp_path, packed=False)
+    lab = Lab(rig)
+
+    def check(drive, cell):
+        sheets = [(f"{kind}=", tmp_path / f"{kind}.eds", od) for kind, od in (("drives", drive), ("load-cells", cell))]
+        for _, sheet, od in sheets:
+            canopen.export_od(od, str(sheet))
+        options = [word for kind, sheet, _ in sheets for word in ("--eds", f"{kind}{sheet}")]
+        found = subprocess.run([PROGRAM, path, "--check", *options], capture_output=True, text=True)
+        return found.returncode, found.stdout, found.stderr
+
+    code, said, error = check(lab.drives[0].object_dictionary, lab.amplifiers[0].object_dictionary)
+    assert code == 0 and said.count("has all that the bridge uses") == 2, said + error
+    assert "of node 1, 2, 3, 4, 5, 6" in said
+
+    poor = lab.drives[1].object_dictionary
+    del poor[0x6072]
+    poor[0x6060].access_type = "ro"
+    poor[0x6077].pdo_mappable = False
+    poor[0x6064].data_type = canopen.objectdictionary.datatypes.INTEGER16
+    code, said, error = check(poor, lab.amplifiers[0].object_dictionary)
+    assert code == 1 and "of 2 data sheets 1 lack what the bridge uses" in error, error
+    lacks = [line.strip() for line in said.splitlines() if line.startswith("  0x6")]
+    assert lacks == [
+        "0x6064:0 (6064:00) has the type 0x0003 (2 bytes), 4 bytes are expected",
+        "0x6077:0 (6077:00) cannot be mapped to a PDO that the node sends (PDOMapping, AccessType)",
+        "0x6072:0 is not in it",
+        "0x6060:0 (6060:00) cannot be written (AccessType = ro)",
+    ], said

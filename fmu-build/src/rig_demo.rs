@@ -130,7 +130,7 @@ fn operate(bridge: &mut Child, minutes: Option<f64>) -> Result<Option<String>> {
     for line in status.lines() {
         let status: Value = serde_json::from_str(&line?).context("the status of can-bridge")?;
         match status["state"].as_str() {
-            Some("Homing") => tell(&mut operator, "home")?,
+            Some("Homing" | "TakingUpSlack") => tell(&mut operator, "home")?,
             Some("Ready") => tell(&mut operator, "enable")?,
             Some("Enabled") => {
                 tell(&mut operator, "enable")?;

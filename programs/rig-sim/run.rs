@@ -190,9 +190,8 @@ impl Lab {
                     self.tick(now);
                 }
                 self.received += 1;
-                for _ in 0..self.link.copies() {
-                    self.rig.on_frame(bus, &frame, self.time, &mut self.out);
-                }
+                self.link.send_to_rig(bus, &frame, self.time);
+                self.let_arrive();
                 self.send();
                 until = until.min(deadline);
             }
@@ -214,15 +213,24 @@ impl Lab {
     fn tick(&mut self, time: Nanoseconds) {
         self.time = time;
         self.rig.tick(time, &mut self.out);
+        self.let_arrive();
         self.observe();
+    }
+
+    /// What was received, as far as it has come through the link.
+    fn let_arrive(&mut self) {
+        while let Some((_, bus, frame)) = self.link.at_rig(self.time) {
+            self.rig.on_frame(bus, &frame, self.time, &mut self.out);
+        }
     }
 
     fn send(&mut self) {
         for (bus, frame) in self.out.drain(..) {
-            for _ in 0..self.link.copies() {
-                self.ports[bus].send(&frame);
-                self.sent += 1;
-            }
+            self.link.send_to_bridge(bus, &frame, self.time);
+        }
+        while let Some((_, bus, frame)) = self.link.at_bridge(self.time) {
+            self.ports[bus].send(&frame);
+            self.sent += 1;
         }
     }
 

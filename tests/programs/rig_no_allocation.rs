@@ -47,7 +47,7 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
         calls += counted(|| coming.drain(..).for_each(|(bus, frame)| bridge.on_frame(bus, &frame, now))).1;
         let state = bridge.state();
         let command = match state {
-            State::Homing => Some(OperatorCommand::Home),
+            State::Homing | State::TakingUpSlack => Some(OperatorCommand::Home),
             State::Ready => Some(OperatorCommand::Enable),
             State::Enabled if !goal_sent => Some(OperatorCommand::Goal(Pose::at(0.15, 0.15, 1.0))),
             State::Enabled => Some(OperatorCommand::Enable),

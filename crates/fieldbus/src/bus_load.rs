@@ -45,7 +45,7 @@ pub struct DoesNotFit {
 }
 
 /// Lengths of the frames of a cycle on each bus: SYNC, torques, drives, load cells. Heartbeats, emergencies and service data are not
-/// of the cycle; the share that `largest_load` leaves free is theirs.
+/// of the cycle ([`beside_the_cycle`]); the share that `largest_load` leaves free is theirs.
 pub fn cycle_frames(config: &Config) -> Vec<Vec<usize>> {
     let mut frames = vec![vec![0]; config.buses.len()];
     for (bus, _, slots) in config.torque_frames() {
@@ -77,6 +77,21 @@ pub fn bus_loads(config: &Config) -> Vec<BusLoad> {
         BusLoad { bus: bus.name.clone(), frames: frames.len(), bits, load, highest_rate }
     };
     config.buses.iter().zip(cycle_frames(config)).map(of_bus).collect()
+}
+
+/// What comes beside the frames of a cycle, as a share of each bus: heartbeats of bridge and nodes, and with each of the bridge's one question to
+/// a drive for its mode, with its answer.
+pub fn beside_the_cycle(config: &Config) -> Vec<f64> {
+    let of_bus = |(k, bus): (usize, &super::config::Bus)| {
+        let drives = config.drives.iter().filter(|drive| drive.bus == k).count();
+        let mut nodes: Vec<_> =
+            config.load_cells.iter().filter(|cell| cell.bus == k).map(|cell| cell.node).collect();
+        nodes.dedup();
+        let heartbeats = (1 + drives + nodes.len()) as f64 * f64::from(worst_case_bits(1));
+        let questions = 2.0 * f64::from(worst_case_bits(8)) * drives as f64 / config.drives.len() as f64;
+        (heartbeats + questions) * 1e9 / config.heartbeat.period as f64 / bus.bit_rate
+    };
+    config.buses.iter().enumerate().map(of_bus).collect()
 }
 
 /// The load of each bus, if all stay within the share allowed.
@@ -129,6 +144,13 @@ mod tests {
         let load = &check(&parse(AKD).unwrap()).unwrap()[0];
         assert_eq!((load.frames, load.bits, load.highest_rate), (19, 2005, 349));
         assert!((load.load - 0.50125).abs() < 1e-12);
+    }
+
+    #[test]
+    fn heartbeats_and_questions_for_the_mode_come_on_top() {
+        let beside = beside_the_cycle(&parse(AKD).unwrap());
+        // 13 heartbeats of 65 bits, a question and its answer of 135 each, in 20 ms.
+        assert!((beside[0] - (13.0 * 65.0 + 2.0 * 135.0) / 0.02 / 1e6).abs() < 1e-12, "{beside:?}");
     }
 
     #[test]

@@ -128,6 +128,16 @@ pub enum Demand {
     FaultReset,
 }
 
+/// Bits of the status word beside those of the state.
+pub mod status {
+    /// The control word is obeyed.
+    pub const REMOTE: u16 = 1 << 9;
+    /// A limit of the drive itself holds back what is commanded.
+    pub const INTERNAL_LIMIT: u16 = 1 << 11;
+    /// In the cyclic synchronous modes: the drive follows the command.
+    pub const FOLLOWS: u16 = 1 << 12;
+}
+
 /// Control words.
 pub mod control {
     /// To Switch on disabled, from anywhere.

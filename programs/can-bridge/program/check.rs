@@ -1,7 +1,7 @@
 //! What `--check` prints: the frames of a cycle, and how much of each bus they take.
 
 use cable_robot_fieldbus::Config;
-use cable_robot_fieldbus::bus_load::{bus_loads, worst_case_bits};
+use cable_robot_fieldbus::bus_load::{beside_the_cycle, bus_loads, worst_case_bits};
 use cable_robot_fieldbus::canopen::TPDO1;
 use cable_robot_report::run_folder::Model;
 
@@ -25,7 +25,7 @@ pub fn text(config: &Config, controller: &BridgeController) -> String {
         Model::Library | Model::Rig => "controller: the program's own\n".to_owned(),
     };
     let rate = 1e9 / config.period as f64;
-    let frames = frames(config);
+    let (frames, beside) = (frames(config), beside_the_cycle(config));
     for (k, load) in bus_loads(config).iter().enumerate() {
         text += &format!("\n{}, {} bit/s\n", load.bus, config.buses[k].bit_rate);
         for CycleFrame { id, bytes, what, .. } in frames.iter().filter(|frame| frame.bus == k) {
@@ -33,12 +33,13 @@ pub fn text(config: &Config, controller: &BridgeController) -> String {
         }
         text += &format!(
             "  {} frames, {} bits a cycle with worst-case stuffing: {:.1} % of the bus at {rate:.0} Hz\n  {:.0} % is allowed \
-             (largest_load): the highest rate that fits is {} Hz\n",
+             (largest_load): the highest rate that fits is {} Hz\n  heartbeats, and questions for the drives' modes: {:.1} % on top\n",
             load.frames,
             load.bits,
             100.0 * load.load,
             100.0 * config.largest_load,
-            load.highest_rate
+            load.highest_rate,
+            100.0 * beside[k]
         );
     }
     text

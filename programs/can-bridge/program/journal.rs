@@ -144,6 +144,8 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::EnableExpired) => "enable was not given again: to the safe output".to_owned(),
         Event::Stopped(Cause::Shutdown) => "the program ends: to the safe output".to_owned(),
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
+        Event::LetGo(Cause::EnableExpired) => "home was not given again: the motors are off".to_owned(),
+        Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
         Event::Lost(count) => format!("{count} more emergency messages came at once"),

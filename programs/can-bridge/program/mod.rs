@@ -2,6 +2,7 @@
 
 mod check;
 mod controller;
+mod data_sheet;
 mod entry;
 mod goals;
 mod journal;
@@ -31,6 +32,7 @@ use cable_robot_programs::errors;
 use clap::Parser;
 
 use controller::BridgeController;
+use data_sheet::SheetOf;
 use journal::Journal;
 use session::{End, Session};
 use terminal::say;
@@ -52,6 +54,9 @@ struct Arguments {
     /// Looks at fieldbus file, rig file, controller and bus load, and opens no bus
     #[arg(long)]
     check: bool,
+    /// Looks with --check at the data sheet (EDS or DCF) of the drives, the load cells or a node for what the bridge asks of them
+    #[arg(long, value_name = "drives|load-cells|NODE=FILE", value_parser = data_sheet::sheet_of, requires = "check")]
+    eds: Vec<SheetOf>,
     /// Takes the controller of this FMU, whose code then runs in this program, instead of the program's own
     #[arg(long, value_name = "FMU")]
     controller: Option<PathBuf>,
@@ -149,7 +154,9 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let controller = BridgeController::open(config, arguments.controller.as_deref())?;
     if arguments.check {
-        print(&check::text(config, &controller))?;
+        let (sheets, lacking) = data_sheet::text(config, &arguments.eds)?;
+        print(&(check::text(config, &controller) + &sheets))?;
+        ensure!(lacking == 0, "of {} data sheets {lacking} lack what the bridge uses", arguments.eds.len());
     }
     if let Err(reason) = bus_load::check(config) {
         say(format_args!("can-bridge: {reason}"));

@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::terminal::say;
 use anyhow::{Context, Result};
@@ -68,28 +68,35 @@ fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
     }
 }
 
-/// A terminal knows no key that is held: `e` enables until the next key, whichever it is.
+/// A terminal knows no key that is held: `h` and `e` count as held until the next key, whichever it is.
 fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
     say(KEYS);
-    let mut enabled: Option<Instant> = None;
+    let mut held = None;
     let mut tell = |command| give(&mut queue, command);
     loop {
         let mut key = [0];
-        match read_within(&mut key, enabled.map(|_| again)) {
-            None => tell(OperatorCommand::Enable),
+        match read_within(&mut key, held.map(|_| again)) {
+            None => held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Release),
             Some(_) => {
-                let is_enabling = key[0] == b'e' && enabled.is_none();
-                enabled = is_enabling.then(Instant::now);
-                tell(if is_enabling { OperatorCommand::Enable } else { OperatorCommand::Release });
+                held = held_after(held, key[0]);
+                tell(held.unwrap_or(OperatorCommand::Release));
                 match key[0] {
-                    b'h' => tell(OperatorCommand::Home),
                     b'r' => tell(OperatorCommand::Reset),
                     b'q' => tell(OperatorCommand::Shutdown),
                     _ => {}
                 }
             }
         }
+    }
+}
+
+/// What is held after a key. From home one goes on to enable; every other key lets go.
+fn held_after(held: Option<OperatorCommand>, key: u8) -> Option<OperatorCommand> {
+    match (key, held) {
+        (b'h', None) => Some(OperatorCommand::Home),
+        (b'e', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Enable),
+        _ => None,
     }
 }
 
@@ -183,6 +190,16 @@ fn goal(words: Vec<&str>) -> Result<OperatorCommand, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn home_and_enable_are_held_until_the_next_key() {
+        let (home, enable) = (Some(OperatorCommand::Home), Some(OperatorCommand::Enable));
+        assert_eq!((held_after(None, b'h'), held_after(None, b'e')), (home, enable));
+        assert_eq!(held_after(home, b'e'), enable);
+        for (held, key) in [(home, b'h'), (enable, b'e'), (enable, b'h'), (home, b'x'), (None, b'x')] {
+            assert_eq!(held_after(held, key), None, "{held:?} {key}");
+        }
+    }
 
     #[test]
     fn commands_come_back_as_they_were_written() {

@@ -142,8 +142,10 @@ impl<'a> Bench<'a> {
     fn start(&mut self) {
         self.until(State::Homing);
         (0..20).for_each(|_| assert_eq!(self.cycle(), None));
-        self.commands.push(OperatorCommand::Home).unwrap();
-        self.until(State::Ready);
+        while self.state != State::Ready {
+            self.commands.push(OperatorCommand::Home).unwrap();
+            assert_eq!(self.cycle(), None);
+        }
         self.commands.push(OperatorCommand::Enable).unwrap();
         self.until(State::Enabled);
     }

@@ -210,7 +210,7 @@ impl Program {
     pub fn move_away(&mut self) {
         self.until("state", "Homing", None);
         self.until("state", "TakingUpSlack", Some("home"));
-        self.until("state", "Ready", None);
+        self.until("state", "Ready", Some("home"));
         self.until("state", "Enabled", Some("enable"));
         self.until("controller", "AtGoal", Some("enable"));
         self.tell("goal 0.15 0.15 1");

@@ -173,7 +173,7 @@ impl Lab {
         }
         self.status = value;
         match self.status["state"].as_str() {
-            Some("Homing") => self.tell("home"),
+            Some("Homing" | "TakingUpSlack") => self.tell("home"),
             Some("Ready" | "Enabled") if self.is_pressed => self.tell("enable"),
             _ => {}
         }

@@ -3,10 +3,11 @@
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, ControllerParameters};
 use cable_robot::sim::{ControllerModel, ModelError, PlantParameters};
 use cable_robot_fieldbus::bridge::{Cause, Event, Fault, TransportError};
+use cable_robot_fieldbus::canopen::Emergency;
 use cable_robot_fieldbus::cia402::{DriveState, MAX_TORQUE};
 use cable_robot_fieldbus::frame::{Frame, FrameKind, error_class};
-use cable_robot_fieldbus::simulated::Bench;
-use cable_robot_fieldbus::{Files, LibraryController, Nanoseconds, OperatorCommand, State};
+use cable_robot_fieldbus::simulated::{Bench, Support};
+use cable_robot_fieldbus::{Config, Files, LibraryController, Nanoseconds, OperatorCommand, State};
 
 use crate::table::{Row, count};
 use crate::{Case, ensure};
@@ -40,7 +41,7 @@ const NOTHING: Failure = Failure {
     cause: |cause| matches!(cause, Cause::Fault(_)),
 };
 
-static FAILURES: [Failure; 27] = [
+static FAILURES: [Failure; 32] = [
     Failure {
         name: "20 % of the frames lost",
         words: "lose 20%",
@@ -141,6 +142,56 @@ static FAILURES: [Failure; 27] = [
         cause: |cause| {
             matches!(cause, Cause::Fault(Fault::EncoderSilent { cable: 1 } | Fault::Rebooted { node: 1 }))
         },
+        ..NOTHING
+    },
+    Failure {
+        name: "one torque frame lost, one way",
+        words: "lose 0x203",
+        cycles: 100 / 4 + 2,
+        cause: |cause| {
+            matches!(
+                cause,
+                Cause::Fault(
+                    Fault::TorqueNotFollowed { cable: 3, .. }
+                        | Fault::Emergency(Emergency { node: 3, code: 0x8250, .. })
+                )
+            )
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "drive leaves its mode",
+        words: "drive 2 mode 8",
+        cycles: SILENCE,
+        cause: |cause| {
+            matches!(
+                cause,
+                Cause::Fault(
+                    Fault::TorqueNotFollowed { cable: 2, .. } | Fault::ModeLeft { node: 2, found: 8 }
+                )
+            )
+        },
+        ..NOTHING
+    },
+    Failure {
+        name: "drive does not follow (status bit 12)",
+        words: "drive 5 ignores-torque",
+        cycles: SILENCE,
+        cause: |cause| of_drive_5(cause),
+        ..NOTHING
+    },
+    Failure {
+        name: "drive limits itself (status bit 11)",
+        words: "drive 5 limited",
+        cycles: SILENCE,
+        cause: |cause| of_drive_5(cause),
+        ..NOTHING
+    },
+    Failure {
+        name: "drive obeys somebody else (status bit 9)",
+        words: "drive 5 local",
+        cycles: SILENCE,
+        cause: |cause| of_drive_5(cause),
         ..NOTHING
     },
     Failure { name: "drive stopped by somebody", words: "drive 2 stopped", cycles: SILENCE, ..NOTHING },
@@ -250,6 +301,13 @@ static FAILURES: [Failure; 27] = [
     },
 ];
 
+fn of_drive_5(cause: &Cause) -> bool {
+    matches!(
+        cause,
+        Cause::Fault(Fault::TorqueNotFollowed { cable: 5, .. } | Fault::DriveDisobeys { node: 5, .. })
+    )
+}
+
 /// All of them.
 pub fn cases() -> Vec<Case> {
     let case = |name, run| Case { name, kind: "simulated", run };
@@ -278,19 +336,74 @@ pub fn cases() -> Vec<Case> {
             })
         }),
     ));
+    for (name, words) in
+        [("12 mm of slack in cable 1", "cable 1 slack 12"), ("49 mm of slack in cable 4", "cable 4 slack 49")]
+    {
+        cases.push(case(name, Box::new(move || starts(name, words)) as _));
+    }
+    cases.push(case("load cell shows a load with motors off", Box::new(loaded) as _));
+    cases.push(case("gear of 5 for 1 at cable 3", Box::new(geared) as _));
     cases.push(case("kill -9", Box::new(killed) as _));
     cases
 }
 
 fn bench() -> Result<Bench, String> {
-    let config = Files::read(RIG.as_ref()).map_err(|error| error.to_string())?.config;
+    bench_with(|_| {})
+}
+
+/// A rig that is not wholly as the bridge believes.
+fn bench_with(differ: impl FnOnce(&mut Config)) -> Result<Bench, String> {
+    let belief = Files::read(RIG.as_ref()).map_err(|error| error.to_string())?.config;
+    let mut truth = belief.clone();
+    differ(&mut truth);
     let imperfections = PlantParameters {
         friction: 0.2,
         motor_lag: 2e-3,
         load_cell_noise: 0.05,
         ..PlantParameters::default()
     };
-    Bench::new(config, imperfections).map_err(|error| error.to_string())
+    Bench::believing(truth, belief, imperfections).map_err(|error| error.to_string())
+}
+
+/// What is odd at the start is no fault: the rig is enabled, and hangs where the bridge believes.
+fn starts(name: &str, words: &str) -> Result<Row, String> {
+    let mut bench = bench()?;
+    bench.suffer(words).map_err(|error| error.to_string())?;
+    ensure(bench.start(), || format!("did not start: {:?}", bench.events.last()))?;
+    let reports = bench.run(1.0);
+    ensure(bench.bridge.state() == State::Enabled, || format!("ended: {:?}", bench.events.last()))?;
+    let (believed, is) = (reports[reports.len() - 1].pose, bench.rig.plant().encoder_pose);
+    let away = (believed.position() - is.position()).norm();
+    ensure(away < 1e-3, || format!("the pose is wrong by {away} m"))?;
+    finish(name, "goes on".to_owned(), [None, None], bench, "none".to_owned())
+}
+
+/// A cell that shows a load while nothing pulls is refused before torque.
+fn loaded() -> Result<Row, String> {
+    let mut bench = bench()?;
+    bench.suffer("cell 4 says 40").map_err(|error| error.to_string())?;
+    ensure(bench.run_until(State::Homing, 20.0), || "no start".to_owned())?;
+    bench.run(0.1);
+    let refusal = bench.bridge.operator(OperatorCommand::Home, bench.now);
+    let refusal = refusal.err().ok_or("it was taken")?.to_string();
+    bench.run(1.0);
+    ensure(bench.rig.oldest_command() == 0, || "a motor pulled".to_owned())?;
+    let name = "load cell shows a load with motors off";
+    finish(name, "no torque at all".to_owned(), [None, None], bench, refusal)
+}
+
+/// A motor that pulls five times as much is found while slack is taken up, with the platform on its stand.
+fn geared() -> Result<Row, String> {
+    let mut bench = bench_with(|truth| truth.drives[2].winch.gear = 5.0)?;
+    ensure(!bench.start(), || "enabled".to_owned())?;
+    ensure(bench.rig.support() == Support::Stand, || "the platform left its stand".to_owned())?;
+    let fault = bench.events.iter().find_map(|(_, event)| match event {
+        Event::Fault(fault) => Some(*fault),
+        _ => None,
+    });
+    let fault = fault.ok_or("nothing was logged")?;
+    ensure(matches!(fault, Fault::LoadCellDisagrees { cable: 3, .. }), || format!("ended by {fault:?}"))?;
+    finish("gear of 5 for 1 at cable 3", "on its stand".to_owned(), [None, None], bench, fault.to_string())
 }
 
 /// 0.4 s into the paper's move.

@@ -99,8 +99,10 @@ impl Joined {
     fn start(&mut self) {
         self.run_until(State::Homing);
         self.run(0.1);
-        self.bridge.operator(OperatorCommand::Home, self.now).unwrap();
-        self.run_until(State::Ready);
+        while self.bridge.state() != State::Ready {
+            self.bridge.operator(OperatorCommand::Home, self.now).unwrap();
+            self.cycle();
+        }
         self.enable = true;
         self.run_until(State::Enabled);
     }

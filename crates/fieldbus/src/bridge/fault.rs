@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::Nanoseconds;
 use crate::canopen::{self, Emergency, NmtState, Node, Object, sdo};
-use crate::cia402::DriveState;
+use crate::cia402::{DriveState, status};
 
 /// Why the bridge gave up its controller's tensions, or never took them. Cables count from 1, buses from 0 as in the fieldbus file.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -76,6 +76,34 @@ pub enum Fault {
         node: Node,
         /// Where it is.
         state: DriveState,
+    },
+    /// A motor does not give what was commanded of late.
+    #[error(
+        "the motor of cable {cable} pulls {actual:.2} N, not {commanded:.2} N: its torque frames do not reach it, or it does not follow them"
+    )]
+    TorqueNotFollowed {
+        /// Its number, from 1.
+        cable: usize,
+        /// What 0x6077 says, N.
+        actual: f64,
+        /// What was commanded of late and is nearest to that, N.
+        commanded: f64,
+    },
+    /// A drive says that it does not do what it is told.
+    #[error("drive {node} is enabled and says that {}", disobedience(*.bits))]
+    DriveDisobeys {
+        /// Its address.
+        node: Node,
+        /// The bits of its status word that are not as they should be.
+        bits: u16,
+    },
+    /// A drive changed its mode of operation by itself.
+    #[error("drive {node} left cyclic synchronous torque (mode 10) for mode {found}")]
+    ModeLeft {
+        /// Its address.
+        node: Node,
+        /// 0x6061.
+        found: i8,
     },
     /// An emergency message.
     #[error("{0}")]
@@ -235,6 +263,16 @@ pub enum TransportError {
     Gone,
 }
 
+fn disobedience(bits: u16) -> &'static str {
+    if bits & status::REMOTE != 0 {
+        "it is commanded by somebody else (status bit 9, remote)"
+    } else if bits & status::FOLLOWS != 0 {
+        "it does not follow the torques (status bit 12)"
+    } else {
+        "a limit of its own holds it back (status bit 11)"
+    }
+}
+
 impl Fault {
     /// Whether it is the same kind of fault of the same cable, node or bus.
     fn is_again(&self, other: &Self) -> bool {
@@ -253,6 +291,8 @@ impl Fault {
             | DriveStuck { node, .. }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }
+            | DriveDisobeys { node, .. }
+            | ModeLeft { node, .. }
             | Emergency(canopen::Emergency { node, .. })
             | Rebooted { node }
             | HeartbeatLost { node }
@@ -265,6 +305,7 @@ impl Fault {
             | LoadCellAbsurd { cable, .. }
             | LoadCellDisagrees { cable, .. }
             | LooseCable { cable, .. }
+            | TorqueNotFollowed { cable, .. }
             | ControllerOutput { cable, .. } => cable,
             AnotherMaster { bus, .. } | BusOff { bus } | Transport { bus, .. } => bus,
             NoPose

@@ -108,8 +108,9 @@ pub(super) struct CellMonitor {
     commanded: f64,
     /// Cycles in which the reading should have changed.
     stuck: u32,
-    /// Cycles in which it disagreed.
+    /// Cycles in which it disagreed, and in which it said too much.
     disagreed: u32,
+    exceeded: u32,
     /// Cycles since the last good reading.
     pub missed: u32,
 }
@@ -153,6 +154,8 @@ impl CellMonitor {
             if (commanded - self.commanded).abs() > limits.stuck { self.stuck.saturating_add(1) } else { 0 };
         let is_off = (self.tension() - commanded).abs() > limits.disagreement;
         self.disagreed = if is_off { self.disagreed.saturating_add(1) } else { 0 };
+        let is_above = self.tension() - commanded > limits.disagreement;
+        self.exceeded = if is_above { self.exceeded.saturating_add(1) } else { 0 };
         match self.absurd {
             Some(tension) if self.missed > limits.lost_cycles => {
                 Err(Fault::LoadCellAbsurd { cable, tension })
@@ -161,6 +164,14 @@ impl CellMonitor {
             _ if self.stuck > limits.lost_cycles => Err(Fault::LoadCellStuck { cable }),
             _ => Ok(()),
         }
+    }
+
+    /// A fault if it said more than its motor pulls for longer than `cycles`: less may be a cable that is not taut yet.
+    pub fn excess(&self, cable: usize, commanded: f64, cycles: u32) -> Result<(), Fault> {
+        if self.exceeded <= cycles {
+            return Ok(());
+        }
+        Err(Fault::LoadCellDisagrees { cable, measured: self.tension(), commanded })
     }
 
     /// A fault if it disagreed for longer than `cycles`.

@@ -2,6 +2,7 @@
 //! output of its own, so that the same inputs give the same bits (docs/rig.md).
 
 mod fault;
+mod follow;
 mod measure;
 mod operator;
 mod output;
@@ -19,19 +20,32 @@ pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
 use fault::FaultList;
+use follow::{Follower, ModeQuestion};
 use measure::{CellMonitor, Encoder};
 use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
 
 use super::Nanoseconds;
-use super::canopen::{Emergency, NmtState, Node, SdoResponse, TPDO1};
+use super::canopen::eds::Use;
+use super::canopen::{Emergency, NmtState, Node, Object, SdoResponse, TPDO1};
 use super::cia402::DriveState;
 use super::config::Config;
 use super::frame::{Frame, FrameKind, error_class};
 use cable_robot::plan::ControllerOutputs;
 use cable_robot::robot::{PerCable, Pose};
 use cable_robot::sim::ControllerModel;
+
+/// What the bridge asks of the objects of a node on a bus, a drive's or a load cell's.
+pub fn needs(config: &Config, (bus, node): (usize, Node)) -> Vec<(Object, Use)> {
+    let drives = config.drives.iter().enumerate();
+    let mut drives = drives.filter(|(_, drive)| (drive.bus, drive.node) == (bus, node));
+    let startup = match drives.next() {
+        Some((cable, _)) => Startup::drive(config, cable),
+        None => Startup::load_cell(config, node),
+    };
+    startup.needs()
+}
 
 /// The state with what belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +134,8 @@ pub struct Bridge {
     is_started: bool,
     drives: Vec<DriveMonitor>,
     cells: Vec<CellMonitor>,
+    followers: Vec<Follower>,
+    mode_question: ModeQuestion,
     /// For each encoder, all lengths (m) when its value last changed.
     still_since: Vec<PerCable<f64>>,
     /// The last pose that was plausible.
@@ -143,6 +159,9 @@ pub struct Bridge {
     is_shutting_down: bool,
     /// Whether the operator let go since the controller was last enabled.
     is_released: bool,
+    /// When home was last given, and whether it came too late, so that it must be released first.
+    home_given: Nanoseconds,
+    is_home_stale: bool,
     next_heartbeat: Nanoseconds,
     /// Consecutive cycles in which the transport had no room, and whether this is one.
     no_room: u32,
@@ -174,6 +193,8 @@ impl Bridge {
             is_started: false,
             drives: vec![DriveMonitor::default(); cables],
             cells: vec![CellMonitor::default(); cables],
+            followers: vec![Follower::new(); cables],
+            mode_question: ModeQuestion::default(),
             pose: home,
             goal: home,
             commanded: nothing,
@@ -188,6 +209,8 @@ impl Bridge {
             is_resetting_drives: false,
             is_shutting_down: false,
             is_released: true,
+            home_given: 0,
+            is_home_stale: false,
             next_heartbeat: 0,
             no_room: 0,
             had_no_room: false,
@@ -252,6 +275,7 @@ impl Bridge {
                 None => Ok(()),
             };
             self.expect(result);
+            self.on_mode(node, &response);
         } else {
             self.on_process_data(bus, frame);
         }
@@ -279,6 +303,7 @@ impl Bridge {
         self.measure();
         self.watch_nodes();
         self.watch_drives();
+        self.watch_followers();
         self.follow_pose();
         self.answer = None;
         if self.pending.is_empty() && self.asks_the_controller() {
@@ -288,6 +313,7 @@ impl Bridge {
             self.fail(fault);
         }
         self.proceed(out);
+        self.ask_for_mode(out);
         let torques = self.send(out);
         self.report(now, torques)
     }
@@ -328,12 +354,16 @@ impl Bridge {
         if frame.kind() != FrameKind::Data {
             return;
         }
-        for (drive, monitor) in self.config.drives.iter().zip(&mut self.drives) {
+        for (i, drive) in self.config.drives.iter().enumerate() {
             let fields = (frame.array(0), frame.array(2));
             if let (true, (Some(status), Some(counts))) = (is_from(drive.bus, drive.node), fields) {
+                let (monitor, status) = (&mut self.drives[i], u16::from_le_bytes(status));
                 // Bits that belong to no state leave the last one standing.
-                monitor.state = DriveState::of_status(u16::from_le_bytes(status)).or(monitor.state);
+                monitor.state = DriveState::of_status(status).or(monitor.state);
                 monitor.encoder.receive(i32::from_le_bytes(counts));
+                if let Some(torque) = frame.array(6) {
+                    self.followers[i].receive(i16::from_le_bytes(torque), status);
+                }
             }
         }
         for (cell, monitor) in self.config.load_cells.iter().zip(&mut self.cells) {

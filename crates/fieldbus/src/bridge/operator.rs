@@ -1,12 +1,20 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, FrameQueue, Held, Mode, SafePull};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Held, Mode, SafePull};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use crate::config::SafeOutput;
 use cable_robot::control::static_tensions;
 use cable_robot::robot::{PerCable, Pose};
+
+/// Whether a reset is possible: not while a platform hangs and is on its way, nor where there is nothing to reset.
+fn is_reset_from(mode: &Mode) -> bool {
+    matches!(
+        mode,
+        Mode::Homing { .. } | Mode::TakingUpSlack { .. } | Mode::Ready | Mode::Safe(_) | Mode::Fault(_)
+    )
+}
 
 impl Bridge {
     /// Takes in what the operator asks for at `now`.
@@ -21,7 +29,11 @@ impl Bridge {
                 return Err(Refusal::Goal(goal));
             }
             (OperatorCommand::Goal(goal), Mode::Enabled { .. } | Mode::Shadow { .. }) => self.goal = goal,
+            (OperatorCommand::Home, Mode::Homing { .. }) if self.is_home_stale => {
+                return Err(Refusal::StillPressed);
+            }
             (OperatorCommand::Home, Mode::Homing { .. }) => return self.begin_homing(now),
+            (OperatorCommand::Home, Mode::TakingUpSlack { .. } | Mode::Ready) => self.home_given = now,
             (OperatorCommand::Enable, Mode::Enabled { since, from, lifted, .. }) => {
                 self.mode = Mode::Enabled { since, from, lifted, confirmed: now };
             }
@@ -37,12 +49,16 @@ impl Bridge {
                 return Err(refusal);
             }
             (OperatorCommand::Release, _) => {
-                self.is_released = true;
-                if matches!(self.mode, Mode::Enabled { .. }) {
-                    self.stop(Cause::Released);
+                (self.is_released, self.is_home_stale) = (true, false);
+                match self.mode {
+                    Mode::Enabled { .. } => self.stop(Cause::Released),
+                    Mode::TakingUpSlack { .. } | Mode::Ready => self.let_go(Cause::Released),
+                    _ => {}
                 }
             }
-            (OperatorCommand::Reset, Mode::Homing { .. } | Mode::Safe(_) | Mode::Fault(_)) => self.reset(),
+            (OperatorCommand::Reset, mode) if is_reset_from(&mode) => {
+                self.reset();
+            }
             (OperatorCommand::Shutdown, mode) => {
                 self.is_shutting_down = true;
                 match mode {
@@ -70,6 +86,8 @@ impl Bridge {
             let missing = match self.drives[i].state {
                 _ if !self.drives[i].encoder.is_alive(&limits) => Some(Fault::EncoderSilent { cable }),
                 _ if !self.cells[i].is_alive(&limits) => Some(Fault::LoadCellSilent { cable }),
+                // Nothing pulls yet: what a cell says of that is what it will be wrong by.
+                _ if !self.cells[i].agrees() => self.cells[i].disagreement(cable, 0.0, 0).err(),
                 Some(state) if state.is_faulted() => Some(Fault::DriveFault { node, state }),
                 _ => None,
             };
@@ -78,6 +96,7 @@ impl Bridge {
             }
         }
         self.take_references();
+        self.home_given = now;
         self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }
@@ -92,6 +111,9 @@ impl Bridge {
         for i in 0..self.cables() {
             self.drives[i].encoder.home(self.home_length[i]);
         }
+        // What was remembered of lengths was said of others.
+        let lengths = self.lengths();
+        self.still_since.fill(lengths);
         self.pose = self.config.home;
     }
 
@@ -113,10 +135,11 @@ impl Bridge {
     fn reset(&mut self) {
         self.is_running = false;
         self.is_resetting_drives = true;
-        self.is_released = true;
+        (self.is_released, self.is_home_stale) = (true, false);
         (self.pending, self.reported_faults, self.fault) = Default::default();
         self.drives.fill(DriveMonitor::default());
         self.cells.fill(CellMonitor::default());
+        self.followers.fill(Follower::new());
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }
@@ -132,6 +155,12 @@ impl Bridge {
             Mode::Quieting { since } => self.quiet(since),
             Mode::Configuring => self.configure(out),
             Mode::Homing { since } => self.reset_drives(since),
+            Mode::TakingUpSlack { .. }
+                if self.time.saturating_sub(self.home_given) > self.config.timeouts.enable =>
+            {
+                self.is_home_stale = true;
+                self.let_go(Cause::EnableExpired);
+            }
             Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
@@ -185,6 +214,12 @@ impl Bridge {
     pub(super) fn fail_drive_stuck(&mut self, i: usize) {
         let state = self.drives[i].state.unwrap_or(DriveState::NotReadyToSwitchOn);
         self.fail(Fault::DriveStuck { node: self.config.drives[i].node, state });
+    }
+
+    /// The platform is on its stand: nothing holds it but that, and the motors may be switched off.
+    fn let_go(&mut self, cause: Cause) {
+        self.events.push(self.time, Event::LetGo(cause));
+        self.enter(Mode::Homing { since: self.time });
     }
 
     /// From the controller's tensions to the safe output.

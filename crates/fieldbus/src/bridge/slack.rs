@@ -16,6 +16,13 @@ pub(super) struct SlackStep {
     calm: u32,
 }
 
+impl SlackStep {
+    /// Whether cables may be slack still.
+    pub fn is_first(&self) -> bool {
+        self.number == 0
+    }
+}
+
 impl Bridge {
     /// What is pulled, N.
     pub(super) fn slack_pull(&self, step: &SlackStep) -> PerCable<f64> {

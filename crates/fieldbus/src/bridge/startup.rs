@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use crate::Nanoseconds;
+use crate::canopen::eds::Use;
 use crate::canopen::{
     Direction, NmtCommand, NmtState, Node, Object, SdoRequest, SdoResponse, SdoResult, TPDO1, Value, Width,
     object,
@@ -30,6 +31,8 @@ struct Step {
 enum Kind {
     Write,
     Check,
+    /// The same, but a node that has no such object goes without.
+    Offer,
     /// Read until it is so.
     Await,
 }
@@ -71,9 +74,11 @@ impl Startup {
         script.push(write(object::produce_heartbeat(milliseconds(config.heartbeat.period))));
         let receive = torque_mapping(config, cable);
         let transmit = [(STATUS_WORD, Width::Bits16), (POSITION, Width::Bits32), (TORQUE, Width::Bits16)];
-        script.extend(
-            object::map_pdo(Direction::Receive, drive.torque_frame.id, &receive).into_iter().map(write),
-        );
+        let receive = object::map_pdo(Direction::Receive, drive.torque_frame.id, &receive);
+        script.extend(receive.into_iter().map(write));
+        // The last step puts the PDO on.
+        let deadline = write(object::receive_deadline(watchdog));
+        script.insert(script.len() - 1, Step { kind: Kind::Offer, ..deadline });
         let id = TPDO1 + u16::from(drive.node);
         script.extend(object::map_pdo(Direction::Transmit, id, &transmit).into_iter().map(write));
         script.push(write((MAX_TORQUE, Value::u16(drive.winch.permille_limit()))));
@@ -92,6 +97,20 @@ impl Startup {
         script.extend(object::map_pdo(Direction::Transmit, id, &entries).into_iter().map(write));
         script.extend(config.load_cell_objects.iter().map(setting));
         Self::new(node, script)
+    }
+
+    /// What is asked of the node's objects. What it may go without is not.
+    pub fn needs(&self) -> Vec<(Object, Use)> {
+        let of_step = |step: &Step| {
+            let Step { object, value, kind, .. } = *step;
+            let what = match kind {
+                Kind::Write => Use::Write(value),
+                Kind::Check | Kind::Await => Use::Read(value.width),
+                Kind::Offer => return [None, None],
+            };
+            [Some((object, what)), mapped(object, value).filter(|_| kind == Kind::Write)]
+        };
+        self.script.iter().flat_map(of_step).flatten().collect()
     }
 
     fn new(node: Node, script: Vec<Step>) -> Self {
@@ -184,7 +203,7 @@ impl Startup {
     fn begin_step(&mut self, now: Nanoseconds) {
         let phase = match self.script.get(self.at).map(|step| step.kind) {
             None => Phase::Starting,
-            Some(Kind::Write) => Phase::Writing,
+            Some(Kind::Write | Kind::Offer) => Phase::Writing,
             Some(Kind::Check | Kind::Await) => Phase::Reading,
         };
         self.enter(phase, now);
@@ -202,6 +221,11 @@ impl Startup {
             return Ok(());
         }
         match (self.phase, response.result) {
+            (Phase::Writing, SdoResult::Aborted(_)) if step.kind == Kind::Offer => {
+                self.at += 1;
+                self.begin_step(now);
+                Ok(())
+            }
             (Phase::Writing | Phase::Reading, SdoResult::Aborted(code)) => {
                 Err(Fault::Refused { node: self.node, object: step.object, code })
             }
@@ -233,7 +257,7 @@ impl Startup {
                 Ok(())
             }
             Kind::Await => Err(Fault::ModeRefused { node: self.node, found: found as i8 }),
-            Kind::Write | Kind::Check => {
+            Kind::Write | Kind::Offer | Kind::Check => {
                 Err(Fault::Different { node: self.node, object: step.object, expected, found })
             }
         }
@@ -253,6 +277,14 @@ fn torque_mapping(config: &Config, cable: usize) -> Vec<(Object, Width)> {
         entries.push(if is_ours { (TARGET_TORQUE, Width::Bits16) } else { object::DUMMY_16 });
     }
     entries
+}
+
+/// What a write to a PDO's mapping maps.
+fn mapped(object: Object, value: Value) -> Option<(Object, Use)> {
+    let direction = Direction::of_mapping(object)?;
+    let [index, rest] = [value.bits >> 16, value.bits & 0xFFFF];
+    let width = Width::of_bytes((rest & 0xFF) as u8 / 8)?;
+    Some((Object::new(index as u16, (rest >> 8) as u8), Use::Map(direction, width)))
 }
 
 fn milliseconds(time: Nanoseconds) -> u16 {
@@ -338,13 +370,25 @@ mod tests {
     fn a_drive_is_set_up_and_every_setting_is_read_back() {
         let (asked, _) = run(|_| None).unwrap();
         let writes: Vec<_> = asked.iter().filter(|r| matches!(r, SdoRequest::Write(..))).collect();
-        assert_eq!(writes.len(), 2 + 7 + 8 + 1 + 1 + 1);
+        assert_eq!(writes.len(), 2 + 7 + 1 + 8 + 1 + 1 + 1);
         for write in &writes {
             let place = asked.iter().position(|r| r == *write).unwrap();
             assert_eq!(asked[place + 1], SdoRequest::Read(write.object()));
         }
         assert_eq!(asked.last(), Some(&SdoRequest::Read(MODE_DISPLAY)));
         assert!(writes.contains(&&SdoRequest::Write(Object::new(0x1400, 1), Value::u32(0x201))));
+        assert!(writes.contains(&&SdoRequest::Write(Object::new(0x1400, 5), Value::u16(100))));
+    }
+
+    #[test]
+    fn a_drive_without_a_deadline_for_torque_frames_goes_without() {
+        let deadline = Object::new(0x1400, 5);
+        let refuses = |r: SdoRequest| (r.object() == deadline).then_some(SdoResult::Aborted(0x0609_0011));
+        let (asked, _) = run(refuses).unwrap();
+        assert!(
+            !asked.contains(&SdoRequest::Read(deadline))
+                && asked.last() == Some(&SdoRequest::Read(MODE_DISPLAY))
+        );
     }
 
     #[test]

@@ -45,7 +45,8 @@ impl fmt::Display for State {
 /// What an operator may ask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OperatorCommand {
-    /// The platform stands at the home pose, nobody is near the cables: take up the slack.
+    /// The platform stands at the home pose, nobody is near the cables: take up the slack. To be given again within `timeouts.enable`, until
+    /// the bridge is ready.
     Home,
     /// The controller may pull. To be given again within `timeouts.enable`, for as long as it may.
     Enable,
@@ -53,7 +54,7 @@ pub enum OperatorCommand {
     Release,
     /// Where the platform shall go; in Enabled and Shadow only. What is enabled anew stays where it is.
     Goal(Pose),
-    /// From Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
+    /// From Homing to Ready, Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
     Reset,
     /// To the safe output, then off.
     Shutdown,
@@ -70,8 +71,8 @@ pub enum Refusal {
         /// What the bridge is doing.
         state: State,
     },
-    /// Enable has been pressed since before it was possible.
-    #[error("enable is still pressed from before: release it first")]
+    /// Enable has been pressed since before it was possible, or home since it was not given in time.
+    #[error("it is still pressed from before: release it first")]
     StillPressed,
     /// A goal is no pose.
     #[error("the goal {0:?} is not finite")]
@@ -101,6 +102,8 @@ pub enum Event {
     Entered(State),
     /// The controller's tensions ended.
     Stopped(Cause),
+    /// The motors are off again, the platform on its stand.
+    LetGo(Cause),
     /// A fault, also one that came after the first.
     Fault(Fault),
     /// A node's emergency message, also one that says that an error is gone.

@@ -13,17 +13,26 @@ impl Bridge {
         let patience = self.config.cycles(limits.disagreement_time);
         // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
         let has_torque = self.is_pulling();
-        if !has_torque {
+        let takes_up_slack = matches!(self.mode, Mode::TakingUpSlack { .. });
+        if !has_torque || takes_up_slack {
             limits.freeze_speed = f64::INFINITY;
         }
-        let is_compared =
-            self.is_pulling() && !matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. });
+        let is_first_pull =
+            matches!(self.mode, Mode::TakingUpSlack { step: Some(step), .. } if step.is_first());
+        // A slack cable stops at once when it is taut, and its load cell says nothing until then.
+        if takes_up_slack {
+            limits.stuck = f64::INFINITY;
+        }
+        let is_compared = has_torque && !takes_up_slack && !matches!(self.mode, Mode::Stopping { .. });
         for i in 0..self.cables() {
             let winch = &self.config.drives[i].winch;
             let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
             let mut cell = self.cells[i].update(i + 1, &limits, commanded[i]);
             if is_compared {
                 cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, commanded[i], patience));
+            }
+            if is_first_pull {
+                cell = cell.and_then(|()| self.cells[i].excess(i + 1, commanded[i], patience));
             }
             if has_torque {
                 self.expect(encoder);

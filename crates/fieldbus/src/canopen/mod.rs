@@ -1,5 +1,6 @@
 //! CiA 301, as much of it as a master of drives and load cells needs. Names and numbers are the standard's.
 
+pub mod eds;
 pub mod emergency;
 pub mod nmt;
 pub mod object;

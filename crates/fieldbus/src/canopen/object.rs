@@ -96,6 +96,16 @@ impl Direction {
             Self::Transmit => 0x1800,
         }
     }
+
+    /// Of the PDO that an object maps a value to.
+    pub fn of_mapping(object: Object) -> Option<Self> {
+        match object {
+            Object { subindex: 0, .. } => None,
+            Object { index: 0x1600..=0x17FF, .. } => Some(Self::Receive),
+            Object { index: 0x1A00..=0x1BFF, .. } => Some(Self::Transmit),
+            _ => None,
+        }
+    }
 }
 
 /// Set in a PDO's COB-ID: the PDO is off.
@@ -126,6 +136,11 @@ pub fn map_pdo(direction: Direction, cob_id: u16, entries: &[(Object, Width)]) -
     writes.push((Object::new(communication, 2), Value::u8(EVERY_SYNC)));
     writes.push((Object::new(communication, 1), Value::u32(id)));
     writes
+}
+
+/// Makes a node say when its first receive PDO has not come for so many ms (event timer, 0x1400:5); not every node can.
+pub fn receive_deadline(milliseconds: u16) -> (Object, Value) {
+    (Object::new(0x1400, 5), Value::u16(milliseconds))
 }
 
 /// Makes a node tell its state every so many ms (0x1017).

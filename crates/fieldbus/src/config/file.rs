@@ -9,8 +9,8 @@ use toml::Spanned;
 
 use super::values::{bus, time};
 use super::{
-    Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, Limits, Parameter, Safe,
-    SafeOutput, Setting, Slack, Timeouts, TorqueFrame,
+    Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, Limits, MOST_LOST_CYCLES,
+    Parameter, Safe, SafeOutput, Setting, Slack, Timeouts, TorqueFrame,
 };
 use crate::canopen::{self, Node, Object, Value, Width};
 use crate::cia402::Winch;
@@ -87,6 +87,7 @@ struct LimitEntry {
     disagreement: Spanned<f64>,
     disagreement_time: Spanned<f64>,
     stuck: Spanned<f64>,
+    torque_error: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -154,6 +155,9 @@ struct CellEntry {
 /// Lengths and forces from here to there are believable for a rig: wide, but they catch units that were mixed up.
 const SMALL: f64 = 1e-6;
 const LARGE: f64 = 1e6;
+
+/// No friction lies between a motor and what its drive says of it: this share of what a load cell may be off by, unless the file says more.
+const TORQUE_ERROR: f64 = 0.2;
 
 pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
     let file: File = toml::from_str(text)?;
@@ -233,13 +237,23 @@ fn slack(check: &Checked, entry: &SlackEntry) -> Result<Slack, Refused> {
 
 fn limits(check: &Checked, entry: &LimitEntry) -> Result<Limits, Refused> {
     let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
+    let disagreement = number(&entry.disagreement, "disagreement", 0.01..=LARGE, "N")?;
     Ok(Limits {
-        lost_cycles: check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=100, "cycles")?,
+        lost_cycles: check.within(
+            &entry.lost_cycles,
+            "limits.lost_cycles",
+            0..=MOST_LOST_CYCLES,
+            "cycles",
+        )?,
         cable_speed: number(&entry.cable_speed, "cable_speed", 0.01..=100.0, "m/s")?,
         freeze_speed: number(&entry.freeze_speed, "freeze_speed", 1e-4..=100.0, "m/s")?,
         freeze_travel: number(&entry.freeze_travel, "freeze_travel", 1e-4..=1.0, "m")?,
         tilt: number(&entry.tilt, "tilt", 0.01..=1.4, "rad")?,
-        disagreement: number(&entry.disagreement, "disagreement", 0.01..=LARGE, "N")?,
+        disagreement,
+        torque_error: match &entry.torque_error {
+            Some(given) => number(given, "torque_error", 1e-3..=LARGE, "N")?,
+            None => TORQUE_ERROR * disagreement,
+        },
         disagreement_time: time(check, &entry.disagreement_time, "limits.disagreement_time", 0.0..=10.0)?,
         stuck: number(&entry.stuck, "stuck", 0.01..=LARGE, "N")?,
     })

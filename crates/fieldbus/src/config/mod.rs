@@ -174,6 +174,8 @@ pub struct Limits {
     pub disagreement: f64,
     /// How long it may last.
     pub disagreement_time: Nanoseconds,
+    /// Largest difference between what a drive says that its motor gives (0x6077) and what was commanded of late, N.
+    pub torque_error: f64,
     /// A load cell that says the same to the last bit while its motor's pull changed by this is stuck, N.
     pub stuck: f64,
 }
@@ -260,6 +262,9 @@ pub fn rig_path(text: &str) -> Result<String, ConfigError> {
     }
     Ok(toml::from_str::<Named>(text)?.rig)
 }
+
+/// Of [`Limits::lost_cycles`].
+pub const MOST_LOST_CYCLES: u32 = 100;
 
 /// How fast cables may become, as a share of the speed that counts as a mistake of an encoder.
 const SHARE_OF_CABLE_SPEED: f64 = 0.8;

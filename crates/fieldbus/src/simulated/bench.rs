@@ -25,8 +25,8 @@ pub struct Bench {
     pub events: Vec<(Nanoseconds, Event)>,
     /// Time of the last cycle.
     pub now: Nanoseconds,
-    /// On the way to the bridge.
-    coming: Vec<(usize, Frame)>,
+    /// What the rig, or somebody else, said since the last cycle, and when.
+    said: Vec<(Nanoseconds, usize, Frame)>,
     /// What reached it in the last cycle.
     heard: Vec<(usize, Frame)>,
     out: FrameQueue,
@@ -38,16 +38,28 @@ impl Bench {
     /// # Errors
     /// [`ParameterError`] for an imperfection that makes no sense.
     pub fn new(config: Config, imperfections: PlantParameters) -> Result<Self, ParameterError> {
-        let parameters = parameters(&config);
+        Self::believing(config.clone(), config, imperfections)
+    }
+
+    /// The same with a rig that is as `truth` says and a bridge that goes by `belief`.
+    ///
+    /// # Errors
+    /// As [`Bench::new`].
+    pub fn believing(
+        truth: Config,
+        belief: Config,
+        imperfections: PlantParameters,
+    ) -> Result<Self, ParameterError> {
+        let parameters = parameters(&belief);
         Ok(Self {
-            rig: SimulatedRig::new(config.clone(), imperfections)?,
-            bridge: Bridge::new(config),
+            rig: SimulatedRig::new(truth, imperfections)?,
+            bridge: Bridge::new(belief),
             controller: Box::new(LibraryController::new(parameters)),
             link: Link::new(1),
             is_pressed: false,
             events: vec![],
             now: 0,
-            coming: vec![],
+            said: vec![],
             heard: vec![],
             out: FrameQueue::new(),
         })
@@ -66,13 +78,15 @@ impl Bench {
     /// The next cycle at this time.
     pub fn cycle_at(&mut self, now: Nanoseconds) -> CycleReport {
         self.now = now;
-        self.rig.tick(now, &mut self.coming);
+        self.reach_rig();
+        self.let_rig(now, |rig, out| rig.tick(now, out));
         self.heard.clear();
-        for (bus, frame) in std::mem::take(&mut self.coming) {
-            for _ in 0..self.link.copies() {
-                self.bridge.on_frame(bus, &frame, now);
-                self.heard.push((bus, frame));
-            }
+        for (at, bus, frame) in std::mem::take(&mut self.said) {
+            self.link.send_to_bridge(bus, &frame, at);
+        }
+        while let Some((_, bus, frame)) = self.link.at_bridge(now) {
+            self.bridge.on_frame(bus, &frame, now);
+            self.heard.push((bus, frame));
         }
         if self.is_pressed {
             // Refused while the bridge is on its way to the safe output.
@@ -81,14 +95,32 @@ impl Bench {
         let report = self.bridge.cycle(now, &mut *self.controller, &mut self.out);
         for k in 0..self.out.frames().len() {
             let (bus, frame) = self.out.frames()[k];
-            for _ in 0..self.link.copies() {
-                self.rig.on_frame(bus, &frame, now, &mut self.coming);
-            }
+            self.link.send_to_rig(bus, &frame, now);
         }
+        self.reach_rig();
         while let Some(event) = self.bridge.take_event() {
             self.events.push(event);
         }
         report
+    }
+
+    /// What the bridge sent, as far as it has arrived.
+    fn reach_rig(&mut self) {
+        let now = self.now;
+        while let Some((at, bus, frame)) = self.link.at_rig(now) {
+            self.let_rig(at, |rig, out| {
+                if at < now {
+                    rig.tick(at, out);
+                }
+                rig.on_frame(bus, &frame, at, out);
+            });
+        }
+    }
+
+    fn let_rig(&mut self, at: Nanoseconds, happen: impl FnOnce(&mut SimulatedRig, &mut Vec<(usize, Frame)>)) {
+        let mut out = vec![];
+        happen(&mut self.rig, &mut out);
+        self.said.extend(out.into_iter().map(|(bus, frame)| (at, bus, frame)));
     }
 
     /// Something goes wrong, in the words of [`super::mishap::GRAMMAR`].
@@ -97,7 +129,9 @@ impl Bench {
     /// [`NotUnderstood`].
     pub fn suffer(&mut self, text: &str) -> Result<(), NotUnderstood> {
         let mishap = Mishap::parse(text, self.rig.drives.len())?;
-        self.rig.suffer(mishap, &mut self.link, self.now, &mut self.coming);
+        let mut out = vec![];
+        self.rig.suffer(mishap, &mut self.link, self.now, &mut out);
+        out.into_iter().for_each(|(bus, frame)| self.inject(bus, frame));
         Ok(())
     }
 
@@ -113,7 +147,7 @@ impl Bench {
 
     /// A frame from somebody else, with the next cycle.
     pub fn inject(&mut self, bus: usize, frame: Frame) {
-        self.coming.push((bus, frame));
+        self.said.push((self.now, bus, frame));
     }
 
     /// Cycles until the bridge is in this state, or for `seconds`. Whether it is.
@@ -140,10 +174,19 @@ impl Bench {
         let is_set_up = self.run_until(State::Homing, 20.0);
         // Homing needs a reading of everything.
         self.run(0.1);
-        let is_homed = is_set_up && self.bridge.operator(OperatorCommand::Home, self.now).is_ok();
-        let is_ready = is_homed && self.run_until(State::Ready, 20.0);
+        let is_ready = is_set_up && self.take_up_slack();
         self.is_pressed = true;
         is_ready && self.run_until(State::Enabled, 1.0)
+    }
+
+    /// The operator holds home until the cables are taut. Whether they are.
+    pub fn take_up_slack(&mut self) -> bool {
+        while self.bridge.operator(OperatorCommand::Home, self.now).is_ok()
+            && self.bridge.state() == State::TakingUpSlack
+        {
+            self.cycle();
+        }
+        self.bridge.state() == State::Ready
     }
 
     /// Sends the platform somewhere.

@@ -5,7 +5,7 @@ use crate::Nanoseconds;
 use crate::canopen::{NmtState, Object, Value};
 use crate::cia402::{
     CONTROL_WORD, CYCLIC_TORQUE, DRIVE_PROFILE, DriveState, MAX_TORQUE, MODE, MODE_DISPLAY, POSITION,
-    STATUS_WORD, TARGET_TORQUE, TORQUE, Winch, control,
+    STATUS_WORD, TARGET_TORQUE, TORQUE, Winch, control, status,
 };
 use crate::config::{Action, Config};
 use crate::frame::Frame;
@@ -14,10 +14,12 @@ use crate::frame::Frame;
 const HEARTBEAT_ERROR: u16 = 0x8130;
 /// Emergency code when it is stopped while it pulls.
 const COMMUNICATION_ERROR: u16 = 0x8100;
+/// Emergency code when its torque frames are missing.
+const RECEIVE_ERROR: u16 = 0x8250;
 /// How long a quick stop takes.
 const QUICK_STOP_TIME: Nanoseconds = 50_000_000;
-/// Remote and voltage bits of the status word.
-const REMOTE_AND_VOLTAGE: u16 = 0x0210;
+/// Voltage bit of the status word.
+const VOLTAGE: u16 = 0x0010;
 
 /// What may be wrong with a drive, beside its node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,8 +30,16 @@ pub struct DriveFaults {
     pub is_encoder_frozen: bool,
     /// The encoder's value is off by so many counts.
     pub encoder_error: i32,
+    /// The encoder counts against the torque.
+    pub counts_backwards: bool,
     /// No process data.
     pub is_silent: bool,
+    /// The torque stays what it is, whatever is commanded.
+    pub ignores_torque: bool,
+    /// An internal limit holds back half of the torque.
+    pub is_limited: bool,
+    /// Somebody else commands it.
+    pub is_local: bool,
     /// Its hardware enable is taken away: no higher than Switched on.
     pub is_blocked: bool,
 }
@@ -51,6 +61,8 @@ pub struct SimulatedDrive {
     commanded: Nanoseconds,
     stopping_since: Nanoseconds,
     counts: i32,
+    /// What its motor gives, behind what it is to give by the motors' lag, ‰ of the rated torque.
+    actual: f64,
 }
 
 impl SimulatedDrive {
@@ -84,6 +96,7 @@ impl SimulatedDrive {
             commanded: 0,
             stopping_since: 0,
             counts: 0,
+            actual: 0.0,
         }
     }
 
@@ -92,9 +105,21 @@ impl SimulatedDrive {
         self.state
     }
 
-    /// What its motor pulls, N.
+    /// What its motor is to pull, N; below 0 it pays out.
     pub fn tension(&self) -> f64 {
-        self.winch.tension(self.torque()).max(0.0)
+        self.winch.tension(self.torque())
+    }
+
+    /// Lets the motor follow for `h` seconds, behind by this time constant (s).
+    pub(super) fn turn(&mut self, h: f64, lag: f64) {
+        if h > 0.0 {
+            self.actual += h / (h + lag) * (f64::from(self.torque()) - self.actual);
+        }
+    }
+
+    /// Shows another mode of operation than the one asked for.
+    pub(super) fn leave_mode(&mut self, mode: i8) {
+        self.node.set(MODE_DISPLAY, u32::from(mode as u8));
     }
 
     fn torque(&self) -> i16 {
@@ -102,7 +127,19 @@ impl SimulatedDrive {
             && self.node.get(MODE_DISPLAY) == u32::from(CYCLIC_TORQUE)
             && !self.node.faults.is_dead;
         let most = i16::try_from(self.node.get(MAX_TORQUE)).unwrap_or(i16::MAX);
+        let most = if self.faults.is_limited { self.target.abs() / 2 } else { most };
         if follows { self.target.clamp(-most, most) } else { 0 }
+    }
+
+    fn status(&self) -> u16 {
+        let is_enabled = self.state == DriveState::OperationEnabled;
+        let follows = is_enabled && self.node.get(MODE_DISPLAY) == u32::from(CYCLIC_TORQUE);
+        let bit = |is_set: bool, bit: u16| if is_set { bit } else { 0 };
+        self.state.status()
+            | VOLTAGE
+            | bit(!self.faults.is_local, status::REMOTE)
+            | bit(is_enabled && self.faults.is_limited, status::INTERNAL_LIMIT)
+            | bit(follows && !self.faults.ignores_torque, status::FOLLOWS)
     }
 
     /// For how long its motor has pulled what it pulls without a newer command; 0 if it does not pull.
@@ -134,6 +171,7 @@ impl SimulatedDrive {
     /// Where the motor is.
     pub(super) fn turn_to(&mut self, counts: i32) {
         if !self.faults.is_encoder_frozen {
+            let counts = if self.faults.counts_backwards { counts.wrapping_neg() } else { counts };
             self.counts = counts.wrapping_add(self.faults.encoder_error);
         }
     }
@@ -165,12 +203,17 @@ impl SimulatedDrive {
 
     fn synchronise(&mut self, now: Nanoseconds, out: &mut Vec<Frame>) {
         if let Some((word, target)) = self.waiting.take() {
-            self.obey(word, now);
-            (self.target, self.commanded) = (target, now);
+            if !self.faults.is_local {
+                self.obey(word, now);
+            }
+            if !self.faults.ignores_torque && !self.faults.is_local {
+                self.target = target;
+            }
+            self.commanded = now;
         }
-        self.node.set(STATUS_WORD, (self.state.status() | REMOTE_AND_VOLTAGE).into());
+        self.node.set(STATUS_WORD, self.status().into());
         self.node.set(POSITION, self.counts as u32);
-        self.node.set(TORQUE, self.torque() as u16 as u32);
+        self.node.set(TORQUE, self.actual.round() as i16 as u16 as u32);
         if !self.faults.is_silent {
             out.extend(self.node.transmit());
         }
@@ -202,7 +245,11 @@ impl SimulatedDrive {
 
     pub(super) fn tick(&mut self, now: Nanoseconds, out: &mut Vec<Frame>) {
         self.node.tick(now, out);
+        let misses_frames = self.node.misses_frames(now);
         if self.state == DriveState::OperationEnabled {
+            if misses_frames {
+                self.fail(RECEIVE_ERROR, out);
+            }
             if self.node.has_lost_master(now) {
                 self.fail(HEARTBEAT_ERROR, out);
             } else if self.node.state() == NmtState::Stopped {

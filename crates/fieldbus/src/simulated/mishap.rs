@@ -10,7 +10,9 @@ use crate::frame::Frame;
 /// The grammar, for people.
 pub const GRAMMAR: &str = "\
 lose 5%                        of the frames, each way
+lose 0x203                     no frame with this identifier arrives
 double 20%                     of the frames arrive twice
+delay 15                       ms that every frame takes, each way
 cut                            nothing passes
 hang-up                        for good; rig-sim closes its end of the link
 mend                           the link is well again
@@ -23,11 +25,17 @@ drive N no-heartbeat           sends no heartbeat
 drive N dead                   says and hears nothing
 drive N frozen                 its encoder's value stays what it is
 drive N jumps 20000            its encoder's value is off by so many counts
+drive N counts-backwards       its encoder counts against its torque
+drive N mode 8                 leaves its mode of operation for this one, and pulls nothing
+drive N ignores-torque         goes on with the torque that it has, and says so (status bit 12)
+drive N limited                an internal limit holds back half of its torque, and it says so (status bit 11)
+drive N local                  obeys somebody else, and says so (status bit 9)
 drive N blocked                its hardware enable is taken away: falls to Switched on
 drive N refuses-mode           never shows mode 10
-drive N refuses 0x6072 0x06090031  to have an object written, with this abort code
+drive N refuses 0x6072 0x06090031  to have an object (0x6072, 0x1400:5) written, with this abort code
 cell N silent                  sends no process data
 cell N dead                    says and hears nothing
+cable N slack 12               mm of it, from now on; a slack cable's winch turns freely
 cell N stuck                   its reading stays what it is
 cell N says 100                N; also nan, inf
 drive N well, cell N well      as before; what has failed stays failed
@@ -38,8 +46,12 @@ N: cable, from 1. In front of each: `at 2.0`, s after the start; `lifted 0.4`, s
 pub enum Mishap {
     /// Share of the frames lost.
     Lose(f64),
+    /// No frame with this identifier arrives.
+    LoseId(u16),
     /// Share of the frames doubled.
     Double(f64),
+    /// Frames take so long, each way.
+    Delay(Nanoseconds),
     /// Nothing passes.
     Cut,
     /// The same for good, and the other end is told.
@@ -50,6 +62,8 @@ pub enum Mishap {
     Drive(usize, DriveMishap),
     /// At the load cell of a cable (from 0).
     Cell(usize, CellMishap),
+    /// A cable (from 0) has so much slack, m.
+    Slack(usize, f64),
 }
 
 /// What goes wrong at a drive.
@@ -65,6 +79,11 @@ pub enum DriveMishap {
     Dead,
     Frozen,
     Jumps(i32),
+    CountsBackwards,
+    Mode(i8),
+    IgnoresTorque,
+    Limited,
+    Local,
     Blocked,
     RefusesMode,
     Refuses(Object, u32),
@@ -112,13 +131,16 @@ impl Mishap {
 fn mishap(words: &[&str], cables: usize) -> Option<Mishap> {
     let cable = |number: &str| cable(number, cables);
     Some(match *words {
+        ["lose", id] if id.starts_with("0x") => Mishap::LoseId(hexadecimal(id)?.try_into().ok()?),
         ["lose", share] => Mishap::Lose(percent(share)?),
+        ["delay", time] => Mishap::Delay((milli(time)? * 1e9) as Nanoseconds),
         ["double", share] => Mishap::Double(percent(share)?),
         ["cut"] => Mishap::Cut,
         ["hang-up"] => Mishap::HangUp,
         ["mend"] => Mishap::Mend,
         ["drive", number, ref what @ ..] => Mishap::Drive(cable(number)?, drive_mishap(what)?),
         ["cell", number, ref what @ ..] => Mishap::Cell(cable(number)?, cell_mishap(what)?),
+        ["cable", number, "slack", length] => Mishap::Slack(cable(number)?, milli(length)?),
         _ => return None,
     })
 }
@@ -134,11 +156,14 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["dead"] => DriveMishap::Dead,
         ["frozen"] => DriveMishap::Frozen,
         ["jumps", counts] => DriveMishap::Jumps(counts.parse().ok()?),
+        ["counts-backwards"] => DriveMishap::CountsBackwards,
+        ["mode", mode] => DriveMishap::Mode(mode.parse().ok()?),
+        ["ignores-torque"] => DriveMishap::IgnoresTorque,
+        ["limited"] => DriveMishap::Limited,
+        ["local"] => DriveMishap::Local,
         ["blocked"] => DriveMishap::Blocked,
         ["refuses-mode"] => DriveMishap::RefusesMode,
-        ["refuses", index, code] => {
-            DriveMishap::Refuses(Object::new(hexadecimal(index)?.try_into().ok()?, 0), hexadecimal(code)?)
-        }
+        ["refuses", index, code] => DriveMishap::Refuses(object(index)?, hexadecimal(code)?),
         ["well"] => DriveMishap::Well,
         _ => return None,
     })
@@ -155,6 +180,12 @@ fn cell_mishap(words: &[&str]) -> Option<CellMishap> {
     })
 }
 
+/// A number of thousandths.
+fn milli(text: &str) -> Option<f64> {
+    let number: f64 = text.parse().ok()?;
+    (0.0..=1e6).contains(&number).then_some(1e-3 * number)
+}
+
 fn percent(text: &str) -> Option<f64> {
     let percent: f64 = text.strip_suffix('%')?.parse().ok()?;
     (0.0..=100.0).contains(&percent).then_some(percent / 100.0)
@@ -163,6 +194,12 @@ fn percent(text: &str) -> Option<f64> {
 fn cable(text: &str, cables: usize) -> Option<usize> {
     let number: usize = text.parse().ok()?;
     (1..=cables).contains(&number).then(|| number - 1)
+}
+
+/// With its subindex, or 0.
+fn object(text: &str) -> Option<Object> {
+    let (index, subindex) = text.split_once(':').unwrap_or((text, "0"));
+    Some(Object::new(hexadecimal(index)?.try_into().ok()?, subindex.parse().ok()?))
 }
 
 fn hexadecimal(text: &str) -> Option<u32> {
@@ -227,11 +264,14 @@ impl SimulatedRig {
     ) {
         match mishap {
             Mishap::Lose(loss) => link.faults.loss = loss,
+            Mishap::LoseId(id) => link.faults.lost_id = Some(id),
+            Mishap::Delay(delay) => link.faults.delay = delay,
             Mishap::Double(duplicates) => link.faults.duplicates = duplicates,
             Mishap::Cut | Mishap::HangUp => link.faults.is_cut = true,
             Mishap::Mend => link.faults = LinkFaults::default(),
             Mishap::Drive(cable, what) => self.suffer_at_drive(cable, what, now, out),
             Mishap::Cell(cable, what) => self.suffer_at_cell(cable, what),
+            Mishap::Slack(cable, slack) => self.slacken(cable, slack),
         }
     }
 
@@ -260,6 +300,11 @@ impl SimulatedRig {
             DriveMishap::Dead => drive.node.faults.is_dead = true,
             DriveMishap::Frozen => drive.faults.is_encoder_frozen = true,
             DriveMishap::Jumps(counts) => drive.faults.encoder_error = counts,
+            DriveMishap::CountsBackwards => drive.faults.counts_backwards = true,
+            DriveMishap::Mode(mode) => drive.leave_mode(mode),
+            DriveMishap::IgnoresTorque => drive.faults.ignores_torque = true,
+            DriveMishap::Limited => drive.faults.is_limited = true,
+            DriveMishap::Local => drive.faults.is_local = true,
             DriveMishap::Blocked => drive.faults.is_blocked = true,
             DriveMishap::RefusesMode => drive.faults.refuses_mode = true,
             DriveMishap::Refuses(object, code) => drive.node.faults.refuses = Some((object, code)),
@@ -308,9 +353,19 @@ mod tests {
 
     #[test]
     fn anything_else_is_refused_with_the_grammar() {
-        for text in
-            ["lose 5", "lose 101%", "drive 0 dead", "cell 7 stuck", "drive 2 emcy 8611", "drive 2", "hang"]
-        {
+        for text in [
+            "lose 5",
+            "lose 101%",
+            "lose 0x10000",
+            "delay -1",
+            "cable 7 slack 5",
+            "drive 2 mode 300",
+            "drive 0 dead",
+            "cell 7 stuck",
+            "drive 2 emcy 8611",
+            "drive 2",
+            "hang",
+        ] {
             let error = Mishap::parse(text, 6).unwrap_err().to_string();
             assert!(error.contains(text) && error.contains("cell N stuck"), "{error}");
         }

@@ -6,6 +6,7 @@ mod drive;
 mod link;
 pub mod mishap;
 mod node;
+mod winding;
 
 pub use bench::Bench;
 pub use cell::{CellFault, SimulatedCells};
@@ -18,6 +19,8 @@ use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
 use cable_robot::robot::{Cables, ParameterError, PerCable};
+use winding::Winding;
+
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
@@ -49,6 +52,7 @@ pub struct SimulatedRig {
     /// At the home pose.
     at_home: Cables,
     plant: Plant,
+    windings: Vec<Winding>,
     support: Support,
     time: Nanoseconds,
     oldest_command: Nanoseconds,
@@ -68,6 +72,12 @@ impl SimulatedRig {
         Ok(Self {
             drives: (0..cables).map(|i| SimulatedDrive::new(&config, i)).collect(),
             cells: nodes.into_iter().map(|node| SimulatedCells::new(&config, node)).collect(),
+            windings: rig
+                .cables_at(&config.home)
+                .length
+                .iter()
+                .map(|length| Winding::taut(*length))
+                .collect(),
             at_home: rig.cables_at(&config.home),
             config,
             plant,
@@ -87,9 +97,14 @@ impl SimulatedRig {
         self.support
     }
 
-    /// What the motors pull, N.
+    /// What the motors pull, N; nothing in a slack cable.
     pub fn motor_tension(&self) -> PerCable<f64> {
-        PerCable::from_fn(self.drives.len(), |i| self.drives[i].tension())
+        PerCable::from_fn(self.drives.len(), |i| self.windings[i].tension(self.drives[i].tension()))
+    }
+
+    /// Gives a cable (from 0) so much slack, m.
+    pub(super) fn slacken(&mut self, cable: usize, slack: f64) {
+        self.windings[cable] = Winding::slack(self.plant.outputs().cable_length[cable] + slack);
     }
 
     /// The longest that a motor ever pulled without a newer command, until the last [`SimulatedRig::tick`].
@@ -115,12 +130,15 @@ impl SimulatedRig {
 
     /// Lets time pass until `now`: the platform moves, nodes send what is due to `out`.
     pub fn tick(&mut self, now: Nanoseconds, out: &mut Vec<(usize, Frame)>) {
-        self.move_platform(now);
+        let h = now.saturating_sub(self.time) as f64 * 1e-9;
+        self.time = now;
+        self.move_platform(h);
+        self.turn_winches(h);
         let seen = *self.plant.outputs();
         for i in 0..self.drives.len() {
             let (mut sent, at_home) = (vec![], COUNTS_AT_HOME * (i as i32 + 1));
             let winch = self.config.drives[i].winch;
-            self.drives[i].turn_to(winch.counts(seen.cable_length[i] - self.at_home.length[i], at_home));
+            self.drives[i].turn_to(winch.counts(self.windings[i].paid_out - self.at_home.length[i], at_home));
             self.drives[i].tick(now, &mut sent);
             self.oldest_command = self.oldest_command.max(self.drives[i].command_age(now));
             out.extend(sent.into_iter().map(|frame| (self.config.drives[i].bus, frame)));
@@ -133,9 +151,16 @@ impl SimulatedRig {
         }
     }
 
-    fn move_platform(&mut self, now: Nanoseconds) {
-        let h = now.saturating_sub(self.time) as f64 * 1e-9;
-        self.time = now;
+    fn turn_winches(&mut self, h: f64) {
+        let PlantParameters { friction, motor_lag, .. } = *self.plant.parameters();
+        let (straight, mass) = (self.plant.outputs().cable_length, winding::MASS * self.config.rig.mass);
+        for i in 0..self.drives.len() {
+            self.drives[i].turn(h, motor_lag);
+            self.windings[i].turn(self.drives[i].tension(), straight[i], friction, mass, h);
+        }
+    }
+
+    fn move_platform(&mut self, h: f64) {
         let inputs =
             PlantInputs { motor_tension: self.motor_tension(), ..PlantInputs::none(self.drives.len()) };
         if self.support == Support::Cables && h > 0.0 {

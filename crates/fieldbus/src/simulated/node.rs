@@ -59,6 +59,8 @@ pub struct SimulatedNode {
     boots_at: Option<Nanoseconds>,
     next_heartbeat: Nanoseconds,
     master_heard: Option<Nanoseconds>,
+    /// When its receive PDO came.
+    received: Option<Nanoseconds>,
     /// What is wrong with it.
     pub faults: NodeFaults,
 }
@@ -75,6 +77,7 @@ impl SimulatedNode {
             let cob_id = PDO_OFF | (id + u32::from(node));
             all.push((Object::new(communication, 1), Value::u32(cob_id), true));
             all.push((Object::new(communication, 2), Value::u8(255), true));
+            all.push((Object::new(communication, 5), Value::u16(0), true));
             all.push((Object::new(communication + 0x200, 0), Value::u8(0), true));
             all.extend((1..=8).map(|k| (Object::new(communication + 0x200, k), Value::u32(0), true)));
         }
@@ -89,6 +92,7 @@ impl SimulatedNode {
             boots_at: Some(0),
             next_heartbeat: 0,
             master_heard: None,
+            received: None,
             faults: NodeFaults::default(),
         }
     }
@@ -120,7 +124,7 @@ impl SimulatedNode {
         self.entries.clone_from(&self.power_on);
         self.state = NmtState::BootUp;
         self.boots_at = Some(now + BOOT_TIME);
-        self.master_heard = None;
+        (self.master_heard, self.received) = (None, None);
     }
 
     /// Takes in a frame; answers go to `out`.
@@ -151,7 +155,10 @@ impl SimulatedNode {
         let receive = self.pdo(Direction::Receive);
         match frame.id() {
             SYNC_ID if is_operational => Some(Task::Sync),
-            id if is_operational && Some(id) == receive => Some(Task::Receive(*frame)),
+            id if is_operational && Some(id) == receive => {
+                self.received = Some(now);
+                Some(Task::Receive(*frame))
+            }
             _ => None,
         }
     }
@@ -283,6 +290,17 @@ impl SimulatedNode {
         let patience = Nanoseconds::from(self.get(Object::new(0x1016, 1)) & 0xFFFF) * 1_000_000;
         let silence = self.master_heard.map_or(0, |heard| now.saturating_sub(heard));
         patience > 0 && silence > patience
+    }
+
+    /// Whether its receive PDO, which came before, has not come within its deadline (0x1400:5). Said once.
+    pub(super) fn misses_frames(&mut self, now: Nanoseconds) -> bool {
+        let deadline = Nanoseconds::from(self.get(Object::new(0x1400, 5))) * 1_000_000;
+        let is_late = self.received.is_some_and(|received| now.saturating_sub(received) > deadline);
+        let misses = deadline > 0 && is_late && self.state == NmtState::Operational;
+        if misses {
+            self.received = None;
+        }
+        misses
     }
 
     /// An emergency message.

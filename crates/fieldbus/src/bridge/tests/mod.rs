@@ -2,6 +2,7 @@
 
 mod eight;
 mod faults;
+mod first_day;
 mod masters;
 mod safe_output;
 
@@ -171,6 +172,7 @@ fn a_shadow_computes_the_same_and_sends_nothing() {
     for k in 0..3000 {
         match (k, bench.bridge.state()) {
             (30, _) => bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap(),
+            (_, State::TakingUpSlack) => bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap(),
             (_, State::Ready) => bench.is_pressed = true,
             _ => {}
         }

@@ -1,0 +1,139 @@
+//! Whether each drive does what it is told: its torque, the bits of its status word, its mode of operation.
+
+use super::{Bridge, Fault, FrameQueue};
+use crate::Nanoseconds;
+use crate::canopen::{SdoRequest, SdoResponse, SdoResult};
+use crate::cia402::{CYCLIC_TORQUE, DriveState, MODE_DISPLAY, status};
+use crate::config::MOST_LOST_CYCLES;
+
+/// Cycles from a command to the sample that shows it: taken over at one SYNC, sampled at the next, and behind by the motor's lag.
+const WAY: usize = 3;
+
+/// What one drive was told of late, and what it says that it does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Follower {
+    /// The latest commands, ‰ of the rated torque, and where the next goes.
+    told: [i16; MOST_LOST_CYCLES as usize + WAY],
+    next: usize,
+    /// Its torque and its status word since the last cycle.
+    arrived: Option<(i16, u16)>,
+    /// Bits of [`EXPECTED`] that it has shown since it was enabled: not every drive has them.
+    shown: u16,
+    /// Cycles in a row in which a bit was not as it should be.
+    odd: u32,
+}
+
+/// Bits that an enabled drive shows.
+const EXPECTED: u16 = status::REMOTE | status::FOLLOWS;
+
+impl Follower {
+    pub fn new() -> Self {
+        Self { told: [0; MOST_LOST_CYCLES as usize + WAY], next: 0, arrived: None, shown: 0, odd: 0 }
+    }
+
+    /// What is sent in a cycle, ‰.
+    pub fn tell(&mut self, torque: i16) {
+        self.told[self.next] = torque;
+        self.next = (self.next + 1) % self.told.len();
+    }
+
+    pub fn receive(&mut self, torque: i16, status: u16) {
+        self.arrived = Some((torque, status));
+    }
+
+    /// What between the least and the greatest of so many commands (‰) is nearest to this torque: a motor may be on its way from one to another.
+    fn nearest(&self, torque: i16, window: usize) -> i16 {
+        let of_late = (1..=window).map(|k| self.told[(self.next + self.told.len() - k) % self.told.len()]);
+        let (least, greatest) = of_late.fold((i16::MAX, i16::MIN), |(a, b), told| (a.min(told), b.max(told)));
+        torque.clamp(least, greatest)
+    }
+
+    /// Bits that are not as they should be.
+    fn odd_bits(&mut self, status: u16) -> u16 {
+        self.shown |= status & EXPECTED;
+        self.shown & !status | status & status::INTERNAL_LIMIT
+    }
+}
+
+/// Which drive is asked next for its mode of operation, and when.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ModeQuestion {
+    cable: usize,
+    due: Nanoseconds,
+}
+
+impl Bridge {
+    /// Torques and status words of this cycle. A drive that is not in Operation enabled is another's affair.
+    pub(super) fn watch_followers(&mut self) {
+        let limits = self.config.limits;
+        let window = limits.lost_cycles as usize + WAY;
+        let is_pulling = self.is_pulling();
+        for i in 0..self.cables() {
+            let Some((torque, status)) = self.followers[i].arrived.take() else { continue };
+            let monitor = &self.drives[i];
+            if !is_pulling || monitor.has_left || monitor.state != Some(DriveState::OperationEnabled) {
+                (self.followers[i].shown, self.followers[i].odd) = (0, 0);
+                continue;
+            }
+            let (cable, winch) = (i + 1, self.config.drives[i].winch);
+            let told = self.followers[i].nearest(torque, window);
+            let newtons = |torque: i16| winch.tension(torque);
+            // Both are whole per mille.
+            let is_off = (newtons(torque) - newtons(told)).abs() > limits.torque_error;
+            if is_off && torque.abs_diff(told) > 1 {
+                let (actual, commanded) = (newtons(torque), newtons(told));
+                self.raise(Fault::TorqueNotFollowed { cable, actual, commanded });
+            }
+            let bits = self.followers[i].odd_bits(status);
+            let odd = if bits == 0 { 0 } else { self.followers[i].odd + 1 };
+            self.followers[i].odd = odd;
+            if odd > limits.lost_cycles {
+                self.raise(Fault::DriveDisobeys { node: self.config.drives[i].node, bits });
+            }
+        }
+    }
+
+    /// Asks one drive after the other, one a heartbeat, for its mode: that is not in the frames of a cycle.
+    pub(super) fn ask_for_mode(&mut self, out: &mut FrameQueue) {
+        if !self.is_pulling() || self.time < self.mode_question.due {
+            return;
+        }
+        let cable = self.mode_question.cable % self.cables();
+        let drive = &self.config.drives[cable];
+        out.push(drive.bus, SdoRequest::Read(MODE_DISPLAY).frame(drive.node));
+        self.mode_question = ModeQuestion { cable: cable + 1, due: self.time + self.config.heartbeat.period };
+    }
+
+    /// A drive that has another mode of operation than it is to have does not follow torques.
+    pub(super) fn on_mode(&mut self, node: crate::canopen::Node, response: &SdoResponse) {
+        let SdoResult::Value(value) = response.result else { return };
+        let found = value.bits as u8 as i8;
+        let is_drive = self.config.drives.iter().any(|drive| drive.node == node);
+        if is_drive && response.object == MODE_DISPLAY && self.is_pulling() && found != CYCLIC_TORQUE as i8 {
+            self.raise(Fault::ModeLeft { node, found });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_told_of_late_may_be_followed_and_what_is_older_not() {
+        let mut follower = Follower::new();
+        (0..200).for_each(|k| follower.tell(10 * k));
+        assert_eq!(follower.nearest(1990, 5), 1990);
+        assert_eq!(follower.nearest(1952, 5), 1952);
+        assert_eq!(follower.nearest(1900, 5), 1950, "the oldest of five");
+    }
+
+    #[test]
+    fn a_bit_that_a_drive_never_shows_is_not_missed() {
+        let mut follower = Follower::new();
+        assert_eq!(follower.odd_bits(status::REMOTE), 0);
+        assert_eq!(follower.odd_bits(status::REMOTE | status::FOLLOWS), 0);
+        assert_eq!(follower.odd_bits(status::REMOTE), status::FOLLOWS);
+        assert_eq!(follower.odd_bits(0xFFFF), status::INTERNAL_LIMIT);
+    }
+}

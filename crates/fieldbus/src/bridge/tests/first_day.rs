@@ -1,0 +1,200 @@
+//! The first day at a rig: what is not as the files say, and what drives do that only they know of.
+
+use super::*;
+use crate::simulated::Support;
+
+/// A rig as the example says but for one text, before a bridge that goes by the example.
+fn rig_with(from: &str, to: &str) -> Bench {
+    assert!(AKD.contains(from), "{from}");
+    let truth = parse(&AKD.replacen(from, to, 1)).unwrap();
+    let imperfections = PlantParameters {
+        friction: 0.2,
+        motor_lag: 2e-3,
+        load_cell_noise: 0.05,
+        ..PlantParameters::default()
+    };
+    Bench::believing(truth, config(), imperfections).unwrap()
+}
+
+fn as_said() -> Bench {
+    rig_with("gear", "gear")
+}
+
+/// Until the bridge waits for the operator to say that the platform stands at home.
+fn at_homing(mut bench: Bench) -> Bench {
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.1);
+    bench
+}
+
+#[test]
+fn a_cable_with_12_mm_of_slack_is_taken_up_and_no_encoder_called_frozen() {
+    for (slack, most) in [(0.0, 0.05), (7.0, 0.05), (12.0, 0.05), (49.0, 0.05), (100.0, 0.11)] {
+        for cable in [1, 4] {
+            let mut belief = config();
+            belief.slack.most = most;
+            let mut bench = Bench::believing(config(), belief, PlantParameters::default()).unwrap();
+            bench.suffer(&format!("cable {cable} slack {slack}")).unwrap();
+            assert!(bench.start(), "{slack} mm in cable {cable}: {:?}", bench.events);
+            bench.run(1.0);
+            assert_eq!((bench.bridge.state(), bench.bridge.fault), (State::Enabled, None));
+            let away = (bench.bridge.pose.position() - bench.rig.plant().encoder_pose.position()).norm();
+            assert!(away < 1e-4, "{slack} mm in cable {cable}: the pose is wrong by {away} m");
+        }
+    }
+}
+
+#[test]
+fn more_slack_than_allowed_is_said_of_the_cable_that_has_it() {
+    let mut bench = as_said();
+    bench.suffer("cable 4 slack 60").unwrap();
+    assert!(!bench.start());
+    assert!(matches!(bench.bridge.fault, Some(Fault::LooseCable { cable: 4, .. })), "{:?}", bench.events);
+}
+
+/// Cycles until the controller's tensions end, 0.4 s into the move, and why.
+fn ended(words: &str) -> (u32, Fault, Bench) {
+    let mut bench = moving(as_said(), 0.4);
+    bench.suffer(words).unwrap();
+    let mut cycles = 0;
+    while bench.bridge.state() == State::Enabled {
+        bench.cycle();
+        cycles += 1;
+        assert!(cycles < 1000, "{words}: nothing happened");
+    }
+    (cycles, bench.bridge.fault.unwrap(), bench)
+}
+
+#[test]
+fn a_torque_frame_that_is_lost_one_way_ends_in_a_fault_of_its_drive() {
+    let (cycles, fault, _) = ended("lose 0x203");
+    println!("{cycles} cycles: {fault}");
+    let is_of_three = |fault: &Fault| {
+        matches!(
+            fault,
+            Fault::TorqueNotFollowed { cable: 3, .. }
+                | Fault::Emergency(Emergency { node: 3, code: 0x8250, .. })
+        )
+    };
+    assert!(is_of_three(&fault), "{fault}");
+    assert!(cycles <= 100 / 4 + 2, "{cycles} cycles");
+}
+
+/// A drive that knows no deadline for its frames: then only what it pulls tells.
+#[test]
+fn without_a_deadline_a_lost_torque_frame_is_found_once_the_command_has_moved_on() {
+    let mut bench = as_said();
+    bench.suffer("drive 3 refuses 0x1400:5 0x06090011").unwrap();
+    let mut bench = moving(bench, 0.4);
+    bench.suffer("lose 0x203").unwrap();
+    let told = bench.cycle().tension[2];
+    let (mut away, mut reports) = (None, 0);
+    while bench.bridge.state() == State::Enabled && reports < 500 {
+        let now = bench.cycle().tension[2];
+        reports += 1;
+        away = away.or(((now - told).abs() > bench.bridge.config.limits.torque_error).then_some(reports));
+    }
+    let fault = bench.bridge.fault;
+    let late = reports - away.unwrap();
+    println!("{reports} cycles, {late} of them with another command: {fault:?}");
+    assert!(late <= 4 + 3, "{late} cycles");
+    assert!(matches!(fault, Some(Fault::TorqueNotFollowed { cable: 3, .. })), "{fault:?}");
+}
+
+#[test]
+fn a_drive_that_leaves_its_mode_while_enabled_is_a_fault() {
+    let (cycles, fault, mut bench) = ended("drive 2 mode 8");
+    println!("{cycles} cycles: {fault}");
+    assert!(matches!(fault, Fault::TorqueNotFollowed { cable: 2, .. } | Fault::ModeLeft { node: 2, .. }));
+    assert!(cycles <= 4 + 2, "{cycles} cycles");
+    bench.run(0.2);
+    let left = |(_, event): &(u64, Event)| *event == Event::Fault(Fault::ModeLeft { node: 2, found: 8 });
+    assert!(bench.events.iter().any(left), "{:?}", bench.events);
+}
+
+#[test]
+fn a_drive_that_says_that_it_does_not_obey_is_a_fault() {
+    for (words, bit) in
+        [("drive 5 ignores-torque", 1 << 12), ("drive 5 limited", 1 << 11), ("drive 5 local", 1 << 9)]
+    {
+        let (cycles, fault, bench) = ended(words);
+        println!("{words}, {cycles} cycles: {fault}");
+        let is_of_five = |fault: &Fault| {
+            matches!(fault, Fault::TorqueNotFollowed { cable: 5, .. } | Fault::DriveDisobeys { node: 5, .. })
+        };
+        assert!(is_of_five(&fault) && cycles <= 4 + 2, "{words}: {cycles} cycles, {fault}");
+        let mut bench = bench;
+        bench.run(0.1);
+        let said =
+            |(_, event): &(u64, Event)| *event == Event::Fault(Fault::DriveDisobeys { node: 5, bits: bit });
+        assert!(bench.events.iter().any(said), "{words}: {:?}", bench.events);
+    }
+}
+
+#[test]
+fn a_load_cell_that_shows_a_load_with_motors_off_is_refused_before_torque() {
+    let mut bench = as_said();
+    bench.suffer("cell 4 says 40").unwrap();
+    let mut bench = at_homing(bench);
+    let refusal = bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap_err().to_string();
+    assert_eq!(refusal, "not yet: load cell 4 says 40.00 N while its motor pulls 0.00 N");
+    assert_eq!(bench.bridge.state(), State::Homing);
+}
+
+#[test]
+fn a_gear_of_five_for_one_is_found_while_slack_is_taken_up_with_the_platform_on_its_stand() {
+    let mut bench = rig_with("node = 3\ngear = 1.0", "node = 3\ngear = 5.0");
+    assert!(!bench.start());
+    let most = bench.rig.plant().measured_tension;
+    println!("{:?}, {most:.1?} N", bench.bridge.fault);
+    assert!(matches!(bench.bridge.fault, Some(Fault::LoadCellDisagrees { cable: 3, .. })));
+    assert_eq!(bench.rig.support(), Support::Stand);
+    let fault = bench.events.iter().find(|(_, event)| matches!(event, Event::Fault(_))).unwrap().0;
+    let begun = bench.events.iter().find(|(_, e)| *e == Event::Entered(State::TakingUpSlack)).unwrap().0;
+    assert!(fault - begun < 1_000_000_000, "in the first half of the ramp");
+}
+
+#[test]
+fn letting_go_of_home_stops_the_motors_in_taking_up_slack_and_in_ready() {
+    let is_off =
+        |bench: &Bench| bench.rig.drives.iter().all(|drive| drive.state() == DriveState::SwitchOnDisabled);
+    for (command, state) in
+        [(OperatorCommand::Release, State::Homing), (OperatorCommand::Reset, State::Configuring)]
+    {
+        for until_ready in [false, true] {
+            let mut bench = at_homing(as_said());
+            bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+            if until_ready {
+                assert!(bench.take_up_slack());
+            } else {
+                bench.run(0.4);
+            }
+            bench.run(0.05);
+            assert!(
+                bench.rig.motor_tension().iter().all(|tension| *tension > 0.0),
+                "{command:?} {until_ready}"
+            );
+            bench.bridge.operator(command, bench.now).unwrap();
+            assert_eq!(bench.bridge.state(), state);
+            bench.run(0.02);
+            assert!(is_off(&bench), "{command:?} {until_ready}");
+        }
+    }
+}
+
+#[test]
+fn home_that_is_not_given_again_stops_the_motors_and_one_that_comes_late_starts_nothing() {
+    let mut bench = at_homing(as_said());
+    bench.bridge.operator(OperatorCommand::Home, bench.now).unwrap();
+    bench.run(0.49);
+    assert_eq!(bench.bridge.state(), State::TakingUpSlack);
+    bench.run(0.02);
+    assert_eq!(bench.bridge.state(), State::Homing);
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::LetGo(Cause::EnableExpired)));
+    bench.run(0.02);
+    assert_eq!(bench.rig.motor_tension(), PerCable::filled(6, 0.0));
+    assert_eq!(bench.bridge.operator(OperatorCommand::Home, bench.now), Err(Refusal::StillPressed));
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    bench.run(0.1);
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+}
