@@ -299,9 +299,11 @@ impl Course {
         stopped
     }
 
-    /// A stop on one way, braking so many times less hard.
-    pub(super) fn gentler(mut self, times: f64) -> Self {
-        if let [stop] = &mut self.legs[..] {
+    /// A stop on one way that begins at a time (s), braking so many times less hard. What goes on, as where no stop is proved, goes on as it is.
+    pub(super) fn gentler(mut self, time: f64, times: f64) -> Self {
+        if let [stop] = &mut self.legs[..]
+            && stop.begin == time
+        {
             stop.timing = stop.timing.clone().stretched(times);
         }
         self

@@ -151,7 +151,7 @@ impl Planner {
         if is_limited || self.rig().cables.len() > LEAST_CABLES {
             return None;
         }
-        let stop = course.stopped_in_steps(self.rig(), begin).gentler(GENTLER);
+        let stop = course.stopped_in_steps(self.rig(), begin).gentler(begin, GENTLER);
         let bases = [stop, course.going_on(begin)];
         for instants in INSTANTS {
             let stride = (after.end() - begin) / instants;

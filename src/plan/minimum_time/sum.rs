@@ -293,4 +293,32 @@ mod tests {
             assert!(added * 4 > runs && stops > runs);
         }
     }
+
+    /// Where no stop is proved the motion goes on: taken for a stop and made gentler it began anew from where it began once.
+    #[test]
+    fn the_way_to_a_new_goal_begins_where_the_robot_is() {
+        let RigFile { rig, home, .. } = RigFile::parse(include_str!("../../../rigs/paper.toml")).unwrap();
+        let planner = Planner::from(ControllerParameters {
+            planner: PlannerKind::MinimumTime,
+            ..ControllerParameters::of(&rig)
+        });
+        let mut rng = Pcg64::seed_from_u64(9);
+        let (mut begun, mut gone_on) = (0, 0);
+        for _ in 0..200 {
+            let mut any = |k: usize| rng.random_range(-1.0..1.0) * if k < 3 { 0.2 } else { 0.35 };
+            let [from, to] = [(); 2].map(|()| Pose(home.0 + Coordinates::from_fn(|k, _| any(k))));
+            let Some(first) = planner.course_from_rest(&from, &to) else { continue };
+            for share in [0.3, 0.5, 0.8, 0.95] {
+                let begin = share * first.end();
+                gone_on += usize::from(first.stopped(&rig, begin).end() >= first.end());
+                let Some(course) = planner.course_from(&first, begin, &from) else { continue };
+                let (before, now) = (first.at(begin), course.at(begin));
+                let apart = (before.pose.0 - now.pose.0).amax().max((before.rates - now.rates).amax());
+                assert!(apart < 1e-9, "{apart} at {share} from {from:?} to {to:?}");
+                begun += 1;
+            }
+        }
+        println!("{begun} begun, {gone_on} without a stop");
+        assert!(begun > 300 && gone_on > 20);
+    }
 }
