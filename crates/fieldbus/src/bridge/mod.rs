@@ -1,6 +1,7 @@
 //! The bridge: one state machine between a controller and the nodes on the buses. Frames and times in, frames out; no input or
 //! output of its own, so that the same inputs give the same bits (docs/rig.md).
 
+mod course;
 mod fault;
 mod follow;
 mod measure;
@@ -19,6 +20,7 @@ pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
+use course::Course;
 use fault::FaultList;
 use follow::{Follower, ModeQuestion};
 use measure::{CellMonitor, Encoder};
@@ -124,6 +126,7 @@ pub struct Bridge {
     cells: Vec<CellMonitor>,
     followers: Vec<Follower>,
     mode_question: ModeQuestion,
+    course: Option<Course>,
     /// For each encoder, all lengths (m) when its value last changed.
     still_since: Vec<PerCable<f64>>,
     /// The last pose that was plausible.
@@ -183,6 +186,7 @@ impl Bridge {
             cells: vec![CellMonitor::default(); cables],
             followers: vec![Follower::new(); cables],
             mode_question: ModeQuestion::default(),
+            course: None,
             pose: home,
             goal: home,
             commanded: nothing,
@@ -237,6 +241,11 @@ impl Bridge {
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
         }
+    }
+
+    /// The first fault since the last reset.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
     }
 
     /// The next thing to log, with its time.
@@ -297,6 +306,7 @@ impl Bridge {
         if self.pending.is_empty() && self.asks_the_controller() {
             self.ask(controller);
         }
+        self.watch_course();
         for fault in std::mem::take(&mut self.pending).iter() {
             self.fail(fault);
         }
@@ -332,7 +342,8 @@ impl Bridge {
             return;
         }
         self.events.push(now, Event::Emergency(emergency));
-        if emergency.code != 0 && self.is_active() {
+        // With no error in the error register it is a warning.
+        if emergency.code != 0 && emergency.register != 0 && self.is_active() {
             self.raise(Fault::Emergency(emergency));
         }
     }

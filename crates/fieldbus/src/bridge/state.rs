@@ -77,6 +77,14 @@ pub enum Refusal {
     /// A goal is no pose.
     #[error("the goal {0:?} is not finite")]
     Goal(Pose),
+    /// A goal is outside of the box.
+    #[error("the goal is outside of limits.space: {axis} = {at} m")]
+    OutOfBox {
+        /// x, y or z.
+        axis: char,
+        /// m.
+        at: f64,
+    },
     /// Something is missing.
     #[error("not yet: {0}")]
     NotYet(Fault),
