@@ -129,8 +129,9 @@ pub struct Bridge {
     course: Option<Course>,
     /// For each encoder, all lengths (m) when its value last changed.
     still_since: Vec<PerCable<f64>>,
-    /// The last pose that was plausible.
+    /// The last pose that was plausible, and the one measured in this cycle.
     pose: Pose,
+    measured_pose: Option<Pose>,
     goal: Pose,
     /// The tensions commanded last, N.
     commanded: PerCable<f64>,
@@ -188,6 +189,7 @@ impl Bridge {
             mode_question: ModeQuestion::default(),
             course: None,
             pose: home,
+            measured_pose: None,
             goal: home,
             commanded: nothing,
             still_since: vec![nothing; cables],
@@ -455,6 +457,7 @@ impl Bridge {
             fault: self.fault,
             length: self.lengths(),
             pose: self.pose,
+            measured_pose: self.measured_pose,
             measured: self.measured(),
             tension: self.commanded,
             target_torque,

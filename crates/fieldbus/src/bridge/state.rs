@@ -171,8 +171,10 @@ pub struct CycleReport {
     pub fault: Option<Fault>,
     /// m.
     pub length: PerCable<f64>,
-    /// Of these lengths.
+    /// The last plausible one: what the controller and the safe output go by.
     pub pose: Pose,
+    /// Of these lengths, whatever it is; none while an encoder is silent or at fault, or no torque is on.
+    pub measured_pose: Option<Pose>,
     /// Load cells, N.
     pub measured: PerCable<f64>,
     /// The tensions commanded from now on, N.

@@ -1,6 +1,6 @@
 //! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
 
-use super::{Bridge, Fault, Mode};
+use super::{Bridge, DriveMonitor, Fault, Mode};
 use crate::cia402::DriveState;
 use crate::config::Limits;
 use cable_robot::plan::ControllerInputs;
@@ -107,13 +107,19 @@ impl Bridge {
             Mode::Shadow { is_homed } => is_homed,
             _ => self.is_pulling(),
         };
-        if !self.pending.is_empty() || !is_followed {
+        self.measured_pose = None;
+        let limits = self.config.limits;
+        let is_sound = |drive: &DriveMonitor| drive.encoder.is_alive(&limits) && !drive.encoder.has_failed;
+        let is_measured = self.drives.iter().all(is_sound);
+        let is_well = self.pending.is_empty();
+        if !is_followed || !(is_well || is_measured) {
             return;
         }
         match forward_kinematics(&self.config.rig, &self.lengths(), &self.pose) {
             Ok(found) => {
+                self.measured_pose = is_measured.then_some(found.pose);
                 let angle = found.pose.angles().amax();
-                if angle <= self.config.limits.tilt {
+                if angle <= limits.tilt {
                     self.pose = found.pose;
                     self.watch_box();
                 } else {

@@ -300,3 +300,15 @@ fn an_emergency_message_without_an_error_is_logged_and_no_fault() {
     assert_eq!((bench.bridge.state(), bench.bridge.fault), (State::Enabled, None));
     assert!(bench.events.iter().any(|(_, event)| *event == Event::Emergency(warning)));
 }
+
+#[test]
+fn after_a_fault_the_pose_is_the_measured_one_or_none() {
+    let (_, _, mut bench) = ended("drive 3 jumps 20000");
+    assert_eq!(bench.cycle().measured_pose, None, "an encoder that jumped says nothing of the platform");
+    let (_, _, mut bench) = ended("cell 4 says 100000");
+    for _ in 0..250 {
+        let report = bench.cycle();
+        let (seen, is) = (report.measured_pose.unwrap(), bench.rig.plant().encoder_pose);
+        assert!((seen.position() - is.position()).norm() < 2e-3, "{seen:?} {is:?}");
+    }
+}
