@@ -41,7 +41,7 @@ const NOTHING: Failure = Failure {
     cause: |cause| matches!(cause, Cause::Fault(_)),
 };
 
-static FAILURES: [Failure; 32] = [
+static FAILURES: [Failure; 31] = [
     Failure {
         name: "20 % of the frames lost",
         words: "lose 20%",
@@ -183,13 +183,6 @@ static FAILURES: [Failure; 32] = [
     Failure {
         name: "drive limits itself (status bit 11)",
         words: "drive 5 limited",
-        cycles: SILENCE,
-        cause: |cause| of_drive_5(cause),
-        ..NOTHING
-    },
-    Failure {
-        name: "drive obeys somebody else (status bit 9)",
-        words: "drive 5 local",
         cycles: SILENCE,
         cause: |cause| of_drive_5(cause),
         ..NOTHING
