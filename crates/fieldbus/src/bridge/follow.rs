@@ -150,8 +150,11 @@ impl Bridge {
 
     /// A drive that has another mode of operation than it is to have does not follow torques.
     pub(super) fn on_mode(&mut self, node: crate::canopen::Node, response: &SdoResponse) {
-        let SdoResult::Value(value) = response.result else { return };
-        let found = value.bits as u8 as i8;
+        let found = match response.result {
+            SdoResult::Value(value) => value.bits as u8 as i8,
+            SdoResult::Unsized([mode, ..]) => mode as i8,
+            SdoResult::Written | SdoResult::Aborted(_) => return,
+        };
         let is_drive = self.config.drives.iter().any(|drive| drive.node == node);
         if is_drive && response.object == MODE_DISPLAY && self.is_pulling() && found != CYCLIC_TORQUE as i8 {
             self.raise(Fault::ModeLeft { node, found });
