@@ -2,20 +2,28 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Goal, ScenarioFile};
 use cable_robot_fieldbus::{Config, Nanoseconds, State};
 use cable_robot_files::read_text;
 
-/// The goals of the file; nothing else in it is used.
-pub fn read(path: &Path, config: &Config) -> Result<Vec<Goal>> {
+/// The goals of the file. What else it says is not used; a planner that is another than the controller's, and an orbit, are refused: goals
+/// would be sought that this controller does not go to.
+pub fn read(path: &Path, config: &Config, own: &ControllerParameters) -> Result<Vec<Goal>> {
     let name = || path.display().to_string();
     let text = read_text(path).with_context(|| format!("cannot read {}", name()))?;
-    let base = ControllerParameters { rig: config.rig, ..ControllerParameters::default() };
-    let scenario = ScenarioFile::parse(&text).and_then(|file| file.scenario(&config.name, config.home, base));
-    Ok(scenario.with_context(name)?.goals)
+    let scenario = ScenarioFile::parse(&text).and_then(|file| file.scenario(&config.name, config.home, *own));
+    let scenario = scenario.with_context(name)?;
+    ensure!(scenario.orbit.is_none(), "{}: an orbit is not driven here, goals are", name());
+    let (asked, is) = (scenario.controller.planner, own.planner);
+    ensure!(
+        asked == is,
+        "{}: controller.planner = {asked:?} is not that of the controller here ({is:?}): give planner = \"{asked:?}\" in [controller.parameters] of the fieldbus file, or remove it from the scenario",
+        name()
+    );
+    Ok(scenario.goals)
 }
 
 /// Goals on their way. They are given once: after the operator let go, the rest is not made up for.
@@ -54,6 +62,34 @@ impl Timetable {
 mod tests {
     use super::*;
     use crate::program::tests::config;
+
+    #[test]
+    fn a_scenario_for_another_planner_is_refused_and_not_silently_ignored() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scenario.toml");
+        let text = |planner: &str| {
+            format!(
+                "title = \"a\"
+duration = 5.0
+[controller]
+{planner}
+[[goals]]
+time = 1.0
+pose = [0.1, 0.0, 1.0]
+"
+            )
+        };
+        let config = config();
+        let own = ControllerParameters { rig: config.rig, ..ControllerParameters::default() };
+        std::fs::write(&path, text("planner = \"exact\"")).unwrap();
+        let error = read(&path, &config, &own).unwrap_err().to_string();
+        assert!(
+            error.contains("controller.planner = Exact is not that of the controller here (Bounded)"),
+            "{error}"
+        );
+        std::fs::write(&path, text("")).unwrap();
+        assert_eq!(read(&path, &config, &own).unwrap().len(), 1);
+    }
 
     #[test]
     fn goals_come_after_the_lift_and_not_again_after_a_release() {

@@ -135,7 +135,7 @@ pub fn computed(report: &CycleReport) -> Vec<String> {
     row.extend(text(&report.tension));
     row.extend(text(&report.measured));
     row.extend(text(&report.length));
-    row.extend(text(report.pose.0.as_slice()));
+    row.extend(report.measured_pose.map_or(vec![String::new(); 6], |pose| text(pose.0.as_slice())));
     row.extend(report.drive.iter().map(|state| state.map_or(String::new(), |state| state.to_string())));
     row.extend(match report.controller {
         Some(answer) => {

@@ -168,7 +168,10 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
 fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController) -> Result<Outcome> {
     let config = &files.config;
     arguments.record.as_deref().map_or(Ok(()), record::refuse_to_overwrite)?;
-    let goals = arguments.scenario.as_deref().map_or(Ok(vec![]), |path| goals::read(path, config))?;
+    let goals = arguments
+        .scenario
+        .as_deref()
+        .map_or(Ok(vec![]), |path| goals::read(path, config, &controller.parameters()))?;
     let mut links = vec![];
     for bus in &config.buses {
         let replaced = arguments.bus.iter().find(|(name, _)| *name == bus.name);

@@ -110,11 +110,16 @@ fn lines(mut queue: Producer<OperatorCommand>) {
                 b'\n' => {
                     match command(&String::from_utf8_lossy(&line)) {
                         Ok(command) => command.into_iter().for_each(|command| give(&mut queue, command)),
-                        Err(reason) => say(format_args!("can-bridge: operator: {reason}")),
+                        // Whoever wanted to let go, and wrote it wrongly, has let go.
+                        Err(reason) => {
+                            say(format_args!("can-bridge: operator: {reason}: taken for release"));
+                            give(&mut queue, OperatorCommand::Release);
+                        }
                     }
                     line.clear();
                 }
-                _ if line.len() < LONGEST_LINE => line.push(*byte),
+                // One more than may be: such a line is no command.
+                _ if line.len() <= LONGEST_LINE => line.push(*byte),
                 _ => {}
             }
         }
@@ -140,6 +145,9 @@ fn read_within(bytes: &mut [u8], time: Option<Duration>) -> Option<usize> {
 
 /// What a line asks; nothing if it is empty.
 pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
+    if line.len() > LONGEST_LINE {
+        return Err(format!("a line of more than {LONGEST_LINE} bytes"));
+    }
     let mut words = line.split_ascii_whitespace();
     let Some(word) = words.next() else { return Ok(None) };
     let command = match word {
@@ -238,6 +246,11 @@ mod tests {
 
     #[test]
     fn what_is_no_command_is_refused_with_what_would_be_right() {
+        assert!(
+            command(&format!("enable{}", " ".repeat(LONGEST_LINE)))
+                .unwrap_err()
+                .contains("a line of more than 256")
+        );
         assert!(command("go").unwrap_err().contains("expected home, enable"));
         assert!(command("enable now").unwrap_err().contains("\"now\" is too much"));
         for goal in ["goal", "goal 1 2", "goal 0 0 -1", "goal 0 0 nan", "goal 0 0 one", "goal 0 0 1 2"] {

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use cable_robot::plan::{ControllerInputs, ControllerOutputs};
+use cable_robot::plan::{ControllerInputs, ControllerOutputs, Status};
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
 use cable_robot_fieldbus::bridge::{CycleReport, Event};
@@ -198,6 +198,8 @@ impl Run {
             State::Configuring | State::Homing | State::TakingUpSlack | State::Ready | State::Off => false,
         };
         let Some(answer) = self.answer.filter(|_| is_shown) else { return Ok(()) };
+        // Where the platform was then, nobody knows.
+        let Some(pose) = report.measured_pose else { return Ok(()) };
         if self.is_enabled_anew && report.state == State::Enabled {
             let at = report.pose.position();
             (self.is_enabled_anew, self.goal) = (false, Pose::at(at.x, at.y, at.z));
@@ -205,7 +207,7 @@ impl Run {
         if self.csv.is_none() {
             self.begin(report.time)?;
         }
-        let moment = moment(report, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
+        let moment = moment(report, &pose, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
         let row = self.rows.row(&moment);
         let kept = columns(report.length.len())
             .into_iter()
@@ -232,23 +234,28 @@ fn is_measured(column: &str) -> bool {
 }
 
 /// The rig as a plant: what its encoders and load cells say.
-fn moment(report: &CycleReport, answer: &ControllerOutputs, goal: Pose, time: f64) -> Moment {
+fn moment(report: &CycleReport, pose: &Pose, answer: &ControllerOutputs, goal: Pose, time: f64) -> Moment {
+    // What the controller said last is not what it says now.
+    let answer = match report.controller {
+        Some(answer) => answer,
+        None => ControllerOutputs { status: Status::Disabled, steady: false, at_goal: false, ..*answer },
+    };
     Moment {
         time,
         controller_inputs: ControllerInputs {
-            encoder_pose: report.pose,
+            encoder_pose: *pose,
             cable_length: report.length,
             measured_tension: report.measured,
             goal_pose: goal,
             enable: report.state == State::Enabled,
         },
-        controller: ControllerOutputs { motor_tension: report.tension, ..*answer },
+        controller: ControllerOutputs { motor_tension: report.tension, ..answer },
         plant_inputs: PlantInputs {
             motor_tension: report.tension,
             ..PlantInputs::none(report.tension.len())
         },
         plant: PlantOutputs {
-            encoder_pose: report.pose,
+            encoder_pose: *pose,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             cable_length: report.length,

@@ -97,7 +97,8 @@ impl Status {
     pub fn line(&self) -> String {
         let Some(report) = &self.report else { return "waiting for the first cycle".to_owned() };
         let [p50, p99, max] = percentiles(&self.lateness);
-        let loads: Vec<_> = self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load)).collect();
+        let loads: Vec<_> =
+            self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load.max(0.0))).collect();
         let margins: Vec<_> = self.margins(report).iter().map(|margin| tenths(*margin)).collect();
         let fault = report.fault.map_or(String::new(), |fault| format!(" | {fault}"));
         format!(
@@ -120,7 +121,7 @@ impl Status {
             "time": report.time as f64 * 1e-9,
             "state": report.state.to_string(),
             "fault": report.fault.map(|fault| fault.to_string()),
-            "pose": report.pose.0.as_slice(),
+            "pose": report.measured_pose.map(|pose| pose.0.as_slice().to_vec()),
             "length": report.length,
             "measured": report.measured,
             "tension": report.tension,

@@ -79,6 +79,7 @@ fn rig_text() -> Result<String, String> {
         ("lost_cycles = 4 ", "lost_cycles = 50 "),
         ("timeout = 0.1 ", "timeout = 5.0 "),
         ("drive_watchdog = 0.1 ", "drive_watchdog = 2.0 "),
+        ("enable = 0.5 ", "enable = 2.0 "),
         ("service = 0.5 ", "service = 5.0 "),
         ("ramp = 2.0 ", "ramp = 0.5 "),
     ] {

@@ -41,7 +41,7 @@ const NOTHING: Failure = Failure {
     cause: |cause| matches!(cause, Cause::Fault(_)),
 };
 
-static FAILURES: [Failure; 32] = [
+static FAILURES: [Failure; 31] = [
     Failure {
         name: "20 % of the frames lost",
         words: "lose 20%",
@@ -183,13 +183,6 @@ static FAILURES: [Failure; 32] = [
     Failure {
         name: "drive limits itself (status bit 11)",
         words: "drive 5 limited",
-        cycles: SILENCE,
-        cause: |cause| of_drive_5(cause),
-        ..NOTHING
-    },
-    Failure {
-        name: "drive obeys somebody else (status bit 9)",
-        words: "drive 5 local",
         cycles: SILENCE,
         cause: |cause| of_drive_5(cause),
         ..NOTHING
@@ -342,6 +335,21 @@ pub fn cases() -> Vec<Case> {
         cases.push(case(name, Box::new(move || starts(name, words)) as _));
     }
     cases.push(case("load cell shows a load with motors off", Box::new(loaded) as _));
+    for (name, words) in [
+        ("15 ms of delay each way", "delay 15"),
+        ("25 ms of delay each way", "delay 25"),
+        ("50 ms of delay each way", "delay 50"),
+    ] {
+        let is_late = |fault: &Fault| matches!(fault, Fault::Late { .. });
+        cases.push(case(name, Box::new(move || never_lifted(name, words, is_late)) as _));
+    }
+    for (name, mass) in [
+        ("4 kg for 6 in the rig file", 4.0),
+        ("5.5 kg for 6 in the rig file", 5.5),
+        ("8 kg for 6 in the rig file", 8.0),
+    ] {
+        cases.push(case(name, Box::new(move || off_course(name, mass)) as _));
+    }
     cases.push(case("gear of 5 for 1 at cable 3", Box::new(geared) as _));
     cases.push(case("kill -9", Box::new(killed) as _));
     cases
@@ -390,6 +398,29 @@ fn loaded() -> Result<Row, String> {
     ensure(bench.rig.oldest_command() == 0, || "a motor pulled".to_owned())?;
     let name = "load cell shows a load with motors off";
     finish(name, "no torque at all".to_owned(), [None, None], bench, refusal)
+}
+
+/// A platform of another mass goes away from where it is led, or never comes.
+fn off_course(name: &str, mass: f64) -> Result<Row, String> {
+    let mut bench = bench_with(|truth| truth.rig.mass = mass)?;
+    ensure(bench.start(), || format!("did not start: {:?}", bench.events.last()))?;
+    bench.run(2.0);
+    bench.go_to(0.1, 0.0, 1.0);
+    ensure(bench.run_until(State::Fault, LONG), || format!("in {}", bench.bridge.state()))?;
+    let fault = bench.bridge.fault().ok_or("no fault")?;
+    ensure(matches!(fault, Fault::OffCourse { .. }), || format!("ended by {fault:?}"))?;
+    finish(name, "off course".to_owned(), [None, None], bench, fault.to_string())
+}
+
+/// What is wrong is found while the platform is on its stand.
+fn never_lifted(name: &str, words: &str, is_expected: fn(&Fault) -> bool) -> Result<Row, String> {
+    let mut bench = bench()?;
+    bench.suffer(words).map_err(|error| error.to_string())?;
+    ensure(!bench.start(), || "enabled".to_owned())?;
+    ensure(bench.rig.support() == Support::Stand, || "the platform left its stand".to_owned())?;
+    let fault = bench.bridge.fault().ok_or("no fault")?;
+    ensure(is_expected(&fault), || format!("ended by {fault:?}"))?;
+    finish(name, "on its stand".to_owned(), [None, None], bench, fault.to_string())
 }
 
 /// A motor that pulls five times as much is found while slack is taken up, with the platform on its stand.

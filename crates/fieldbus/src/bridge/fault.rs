@@ -89,6 +89,18 @@ pub enum Fault {
         /// What was commanded of late and is nearest to that, N.
         commanded: f64,
     },
+    /// A torque comes too late.
+    #[error(
+        "the motor of cable {cable} says that it pulls {periods:.1} periods after the command, at most {most} are allowed: the link is slow, or the drive"
+    )]
+    Late {
+        /// Its number, from 1.
+        cable: usize,
+        /// Periods of the cycle.
+        periods: f64,
+        /// So many are allowed.
+        most: f64,
+    },
     /// A drive says that it does not do what it is told.
     #[error("drive {node} is enabled and says that {}", disobedience(*.bits))]
     DriveDisobeys {
@@ -196,6 +208,24 @@ pub enum Fault {
     Tilted {
         /// The largest of roll, pitch and yaw, rad.
         angle: f64,
+    },
+    /// The platform does not come to where the law leads it, or goes away from it.
+    #[error(
+        "the platform is {distance:.3} m from where it is led, at most {most:.3} m are allowed: another mass than in the rig file, or something is in its way"
+    )]
+    OffCourse {
+        /// m.
+        distance: f64,
+        /// m.
+        most: f64,
+    },
+    /// The platform is where it must not be.
+    #[error("the platform is outside of its box: {axis} = {at:.3} m")]
+    OutOfBox {
+        /// x, y or z.
+        axis: char,
+        /// m.
+        at: f64,
     },
     /// Somebody else sends what only the bridge may.
     #[error(
@@ -306,10 +336,13 @@ impl Fault {
             | LoadCellDisagrees { cable, .. }
             | LooseCable { cable, .. }
             | TorqueNotFollowed { cable, .. }
+            | Late { cable, .. }
             | ControllerOutput { cable, .. } => cable,
             AnotherMaster { bus, .. } | BusOff { bus } | Transport { bus, .. } => bus,
             NoPose
             | Tilted { .. }
+            | OffCourse { .. }
+            | OutOfBox { .. }
             | ControllerFailed
             | ControllerSensorFault
             | Overrun { .. }

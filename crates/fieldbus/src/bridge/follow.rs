@@ -1,6 +1,6 @@
 //! Whether each drive does what it is told: its torque, the bits of its status word, its mode of operation.
 
-use super::{Bridge, Fault, FrameQueue};
+use super::{Bridge, Fault, FrameQueue, Mode};
 use crate::Nanoseconds;
 use crate::canopen::{SdoRequest, SdoResponse, SdoResult};
 use crate::cia402::{CYCLIC_TORQUE, DriveState, MODE_DISPLAY, status};
@@ -21,6 +21,8 @@ pub(super) struct Follower {
     shown: u16,
     /// Cycles in a row in which a bit was not as it should be.
     odd: u32,
+    /// How far its torque was behind the command, away from zero, while that rose and while it fell: sums (‰) and their terms.
+    behind: [(f64, f64); 2],
 }
 
 /// Bits that an enabled drive shows.
@@ -28,7 +30,14 @@ const EXPECTED: u16 = status::REMOTE | status::FOLLOWS;
 
 impl Follower {
     pub fn new() -> Self {
-        Self { told: [0; MOST_LOST_CYCLES as usize + WAY], next: 0, arrived: None, shown: 0, odd: 0 }
+        Self {
+            told: [0; MOST_LOST_CYCLES as usize + WAY],
+            next: 0,
+            arrived: None,
+            shown: 0,
+            odd: 0,
+            behind: [(0.0, 0.0); 2],
+        }
     }
 
     /// What is sent in a cycle, ‰.
@@ -46,6 +55,24 @@ impl Follower {
         let of_late = (1..=window).map(|k| self.told[(self.next + self.told.len() - k) % self.told.len()]);
         let (least, greatest) = of_late.fold((i16::MAX, i16::MIN), |(a, b), told| (a.min(told), b.max(told)));
         torque.clamp(least, greatest)
+    }
+
+    /// Begins to measure how far its torque is behind.
+    pub fn forget_delay(&mut self) {
+        self.behind = [(0.0, 0.0); 2];
+    }
+
+    /// A torque while the command changes steadily.
+    fn take_delay(&mut self, torque: i16, is_rising: bool) {
+        let told = self.told[(self.next + self.told.len() - 1) % self.told.len()];
+        let (sum, terms) = &mut self.behind[usize::from(is_rising)];
+        (*sum, *terms) = (*sum + f64::from(told) - f64::from(torque), *terms + 1.0);
+    }
+
+    /// Cycles between a command and the torque, if commands rose and fell by `slope` (‰ a cycle). What the torque is always off by cancels.
+    fn delay(&self, slope: f64) -> Option<f64> {
+        let [fall, rise] = self.behind.map(|(sum, terms)| (terms > 0.0).then(|| sum / terms));
+        Some((rise? - fall?) / (2.0 * slope))
     }
 
     /// Bits that are not as they should be.
@@ -75,12 +102,17 @@ impl Bridge {
                 (self.followers[i].shown, self.followers[i].odd) = (0, 0);
                 continue;
             }
+            if let Some(is_rising) = self.steady_change(i) {
+                self.followers[i].take_delay(torque, is_rising);
+            }
             let (cable, winch) = (i + 1, self.config.drives[i].winch);
             let told = self.followers[i].nearest(torque, window);
             let newtons = |torque: i16| winch.tension(torque);
             // Both are whole per mille.
             let is_off = (newtons(torque) - newtons(told)).abs() > limits.torque_error;
-            if is_off && torque.abs_diff(told) > 1 {
+            // On the stand nothing hangs on it, and what is late is measured.
+            let is_on_stand = matches!(self.mode, Mode::TakingUpSlack { .. });
+            if is_off && torque.abs_diff(told) > 1 && !is_on_stand {
                 let (actual, commanded) = (newtons(torque), newtons(told));
                 self.raise(Fault::TorqueNotFollowed { cable, actual, commanded });
             }
@@ -91,6 +123,18 @@ impl Bridge {
                 self.raise(Fault::DriveDisobeys { node: self.config.drives[i].node, bits });
             }
         }
+    }
+
+    /// From the command of a torque to the motor's word that it gives it, if that takes longer than allowed. The encoder's way is part of it:
+    /// what the controller hears is as late as what it says.
+    pub(super) fn late_drive(&self) -> Option<Fault> {
+        (0..self.cables()).find_map(|i| {
+            let winch = &self.config.drives[i].winch;
+            let periods = self.followers[i]
+                .delay(winch.direction * self.slack_slope() / winch.newtons_per_permille())?;
+            let most = self.config.limits.latency;
+            (periods > most).then_some(Fault::Late { cable: i + 1, periods, most })
+        })
     }
 
     /// Asks one drive after the other, one a heartbeat, for its mode: that is not in the frames of a cycle.
@@ -106,8 +150,11 @@ impl Bridge {
 
     /// A drive that has another mode of operation than it is to have does not follow torques.
     pub(super) fn on_mode(&mut self, node: crate::canopen::Node, response: &SdoResponse) {
-        let SdoResult::Value(value) = response.result else { return };
-        let found = value.bits as u8 as i8;
+        let found = match response.result {
+            SdoResult::Value(value) => value.bits as u8 as i8,
+            SdoResult::Unsized([mode, ..]) => mode as i8,
+            SdoResult::Written | SdoResult::Aborted(_) => return,
+        };
         let is_drive = self.config.drives.iter().any(|drive| drive.node == node);
         if is_drive && response.object == MODE_DISPLAY && self.is_pulling() && found != CYCLIC_TORQUE as i8 {
             self.raise(Fault::ModeLeft { node, found });
@@ -126,6 +173,20 @@ mod tests {
         assert_eq!(follower.nearest(1990, 5), 1990);
         assert_eq!(follower.nearest(1952, 5), 1952);
         assert_eq!(follower.nearest(1900, 5), 1950, "the oldest of five");
+    }
+
+    #[test]
+    fn a_delay_is_measured_whatever_the_torque_is_always_off_by() {
+        let mut follower = Follower::new();
+        for k in 0..100i16 {
+            follower.tell(2 * k);
+            follower.take_delay(2 * (k - 3) + 9, true);
+        }
+        for k in 0..100i16 {
+            follower.tell(200 - 2 * k);
+            follower.take_delay(200 - 2 * (k - 3) + 9, false);
+        }
+        assert_eq!(follower.delay(2.0), Some(3.0));
     }
 
     #[test]

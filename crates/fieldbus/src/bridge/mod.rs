@@ -1,6 +1,7 @@
 //! The bridge: one state machine between a controller and the nodes on the buses. Frames and times in, frames out; no input or
 //! output of its own, so that the same inputs give the same bits (docs/rig.md).
 
+mod course;
 mod fault;
 mod follow;
 mod measure;
@@ -19,6 +20,7 @@ pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
+use course::Course;
 use fault::FaultList;
 use follow::{Follower, ModeQuestion};
 use measure::{CellMonitor, Encoder};
@@ -136,10 +138,12 @@ pub struct Bridge {
     cells: Vec<CellMonitor>,
     followers: Vec<Follower>,
     mode_question: ModeQuestion,
+    course: Option<Course>,
     /// For each encoder, all lengths (m) when its value last changed.
     still_since: Vec<PerCable<f64>>,
-    /// The last pose that was plausible.
+    /// The last pose that was plausible, and the one measured in this cycle.
     pose: Pose,
+    measured_pose: Option<Pose>,
     goal: Pose,
     /// The tensions commanded last, N.
     commanded: PerCable<f64>,
@@ -195,7 +199,9 @@ impl Bridge {
             cells: vec![CellMonitor::default(); cables],
             followers: vec![Follower::new(); cables],
             mode_question: ModeQuestion::default(),
+            course: None,
             pose: home,
+            measured_pose: None,
             goal: home,
             commanded: nothing,
             still_since: vec![nothing; cables],
@@ -249,6 +255,11 @@ impl Bridge {
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
         }
+    }
+
+    /// The first fault since the last reset.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
     }
 
     /// The next thing to log, with its time.
@@ -309,6 +320,7 @@ impl Bridge {
         if self.pending.is_empty() && self.asks_the_controller() {
             self.ask(controller);
         }
+        self.watch_course();
         for fault in std::mem::take(&mut self.pending).iter() {
             self.fail(fault);
         }
@@ -344,7 +356,8 @@ impl Bridge {
             return;
         }
         self.events.push(now, Event::Emergency(emergency));
-        if emergency.code != 0 && self.is_active() {
+        // With no error in the error register it is a warning.
+        if emergency.code != 0 && emergency.register != 0 && self.is_active() {
             self.raise(Fault::Emergency(emergency));
         }
     }
@@ -456,6 +469,7 @@ impl Bridge {
             fault: self.fault,
             length: self.lengths(),
             pose: self.pose,
+            measured_pose: self.measured_pose,
             measured: self.measured(),
             tension: self.commanded,
             target_torque,

@@ -28,7 +28,12 @@ impl Bridge {
             (OperatorCommand::Goal(goal), _) if !goal.0.iter().all(|x| x.is_finite()) => {
                 return Err(Refusal::Goal(goal));
             }
-            (OperatorCommand::Goal(goal), Mode::Enabled { .. } | Mode::Shadow { .. }) => self.goal = goal,
+            (OperatorCommand::Goal(goal), Mode::Enabled { .. } | Mode::Shadow { .. }) => {
+                if let Some((axis, at)) = self.outside(&goal) {
+                    return Err(Refusal::OutOfBox { axis: b"xyz"[axis].into(), at });
+                }
+                self.goal = goal;
+            }
             (OperatorCommand::Home, Mode::Homing { .. }) if self.is_home_stale => {
                 return Err(Refusal::StillPressed);
             }
@@ -97,6 +102,7 @@ impl Bridge {
         }
         self.take_references();
         self.home_given = now;
+        self.followers.iter_mut().for_each(Follower::forget_delay);
         self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }

@@ -40,6 +40,23 @@ impl Bridge {
         PerCable::from_fn(self.cables(), |i| if i + 1 == number { 2.0 * pretension } else { pretension })
     }
 
+    /// Of the tension of a cable that pulls twice of the pretension, and back, N a cycle.
+    pub(super) fn slack_slope(&self) -> f64 {
+        self.config.slack.pretension * self.config.period as f64 / self.slack_ramp(1) as f64
+    }
+
+    /// Whether the tension of a cable rises or falls steadily, and has for half of its ramp.
+    pub(super) fn steady_change(&self, cable: usize) -> Option<bool> {
+        let Mode::TakingUpSlack { step: Some(step), .. } = self.mode else { return None };
+        let share = self.share(step.begun, self.slack_ramp(step.number));
+        let is_steady = (0.5..1.0).contains(&share);
+        match step.number.checked_sub(cable + 1)? {
+            0 if is_steady => Some(true),
+            1 if is_steady => Some(false),
+            _ => None,
+        }
+    }
+
     /// With the slack gone, a quarter of the time does.
     fn slack_ramp(&self, number: usize) -> Nanoseconds {
         if number == 0 { self.config.slack.ramp } else { self.config.slack.ramp / 4 }
@@ -88,6 +105,8 @@ impl Bridge {
         if number <= self.cables() {
             let step = Some(SlackStep { number: number + 1, begun: self.time, calm: 0 });
             self.mode = Mode::TakingUpSlack { since, step };
+        } else if let Some(fault) = self.late_drive() {
+            self.fail(fault);
         } else {
             // Only now the cables are taut, and as long as they are at the home pose.
             self.take_references();

@@ -234,6 +234,9 @@ impl Startup {
                 Ok(())
             }
             (Phase::Reading, SdoResult::Value(found)) => self.compare(&step, found.bits, now, timeouts),
+            (Phase::Reading, SdoResult::Unsized(bytes)) => {
+                self.compare(&step, step.value.width.read(bytes), now, timeouts)
+            }
             _ => Ok(()),
         }
     }
@@ -405,6 +408,13 @@ mod tests {
             _ => None,
         });
         assert!(matches!(written_only.unwrap_err(), Fault::Different { object: MODE, .. }));
+    }
+
+    #[test]
+    fn what_stands_behind_a_value_without_a_size_is_not_compared() {
+        let rated = Object::new(0x605A, 0);
+        let odd = SdoResult::Unsized([2, 0, 0xAA, 0xBB]);
+        assert!(run(|r| (r == SdoRequest::Read(rated)).then_some(odd)).is_ok());
     }
 
     #[test]

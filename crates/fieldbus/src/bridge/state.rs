@@ -77,6 +77,14 @@ pub enum Refusal {
     /// A goal is no pose.
     #[error("the goal {0:?} is not finite")]
     Goal(Pose),
+    /// A goal is outside of the box.
+    #[error("the goal is outside of limits.space: {axis} = {at} m")]
+    OutOfBox {
+        /// x, y or z.
+        axis: char,
+        /// m.
+        at: f64,
+    },
     /// Something is missing.
     #[error("not yet: {0}")]
     NotYet(Fault),
@@ -163,8 +171,10 @@ pub struct CycleReport {
     pub fault: Option<Fault>,
     /// m.
     pub length: PerCable<f64>,
-    /// Of these lengths.
+    /// The last plausible one: what the controller and the safe output go by.
     pub pose: Pose,
+    /// Of these lengths, whatever it is; none while an encoder is silent or at fault, or no torque is on.
+    pub measured_pose: Option<Pose>,
     /// Load cells, N.
     pub measured: PerCable<f64>,
     /// The tensions commanded from now on, N.

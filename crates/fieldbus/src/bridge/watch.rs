@@ -1,7 +1,8 @@
 //! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
 
-use super::{Bridge, Fault, Mode};
+use super::{Bridge, DriveMonitor, Fault, Mode};
 use crate::cia402::DriveState;
+use crate::config::Limits;
 use cable_robot::plan::ControllerInputs;
 use cable_robot::robot::{PerCable, forward_kinematics};
 use cable_robot::sim::ControllerModel;
@@ -26,7 +27,10 @@ impl Bridge {
         let is_compared = has_torque && !takes_up_slack && !matches!(self.mode, Mode::Stopping { .. });
         for i in 0..self.cables() {
             let winch = &self.config.drives[i].winch;
-            let encoder = self.drives[i].encoder.update(i + 1, winch, &limits, time);
+            // Slower than two counts a cycle no encoder tells rest from motion.
+            let two_counts = 2.0 * winch.metres_per_count() * 1e9 / self.config.period as f64;
+            let of_encoder = Limits { freeze_speed: limits.freeze_speed.max(two_counts), ..limits };
+            let encoder = self.drives[i].encoder.update(i + 1, winch, &of_encoder, time);
             let mut cell = self.cells[i].update(i + 1, &limits, commanded[i]);
             if is_compared {
                 cell = cell.and_then(|()| self.cells[i].disagreement(i + 1, commanded[i], patience));
@@ -51,17 +55,25 @@ impl Bridge {
     fn compare_encoders(&mut self, is_compared: bool) -> Result<(), Fault> {
         let lengths = self.lengths();
         for i in 0..self.cables() {
+            let travel = self.config.limits.freeze_travel.max(self.blind_travel(i));
             let encoder = &mut self.drives[i].encoder;
             if encoder.has_changed || !is_compared {
                 self.still_since[i] = lengths;
             }
             let moved = |j: usize| (lengths[j] - self.still_since[i][j]).abs();
-            if (0..lengths.len()).any(|j| moved(j) > self.config.limits.freeze_travel) {
+            if (0..lengths.len()).any(|j| moved(j) > travel) {
                 encoder.has_failed = true;
                 return Err(Fault::EncoderFrozen { cable: i + 1 });
             }
         }
         Ok(())
+    }
+
+    /// So far (m) another cable may move while this one passes from shorter to longer and back within a count: twice what a straight line past
+    /// its anchor takes.
+    fn blind_travel(&self, i: usize) -> f64 {
+        let count = self.config.drives[i].winch.metres_per_count();
+        4.0 * (2.0 * self.home_length[i] * count).sqrt()
     }
 
     pub(super) fn watch_nodes(&mut self) {
@@ -95,14 +107,21 @@ impl Bridge {
             Mode::Shadow { is_homed } => is_homed,
             _ => self.is_pulling(),
         };
-        if !self.pending.is_empty() || !is_followed {
+        self.measured_pose = None;
+        let limits = self.config.limits;
+        let is_sound = |drive: &DriveMonitor| drive.encoder.is_alive(&limits) && !drive.encoder.has_failed;
+        let is_measured = self.drives.iter().all(is_sound);
+        let is_well = self.pending.is_empty();
+        if !is_followed || !(is_well || is_measured) {
             return;
         }
         match forward_kinematics(&self.config.rig, &self.lengths(), &self.pose) {
             Ok(found) => {
+                self.measured_pose = is_measured.then_some(found.pose);
                 let angle = found.pose.angles().amax();
-                if angle <= self.config.limits.tilt {
+                if angle <= limits.tilt {
                     self.pose = found.pose;
+                    self.watch_box();
                 } else {
                     self.raise(Fault::Tilted { angle });
                 }

@@ -45,6 +45,12 @@ impl Width {
         self as usize
     }
 
+    /// The bits of a value of this width that stands first.
+    pub fn read(self, bytes: [u8; 4]) -> u32 {
+        let known = if self == Self::Bits32 { u32::MAX } else { (1 << (8 * self.bytes())) - 1 };
+        u32::from_le_bytes(bytes) & known
+    }
+
     /// `None` unless 1 to 4 bytes.
     pub fn of_bytes(bytes: u8) -> Option<Self> {
         [Self::Bits8, Self::Bits16, Self::Bits24, Self::Bits32]

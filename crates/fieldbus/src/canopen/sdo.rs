@@ -32,6 +32,8 @@ pub enum SdoResult {
     Written,
     /// Read.
     Value(Value),
+    /// Read, but the server does not say how many of the four bytes count.
+    Unsized([u8; 4]),
     /// Refused with an abort code ([`abort_text`]).
     Aborted(u32),
 }
@@ -74,6 +76,7 @@ impl SdoResponse {
         let (command, bits) = match self.result {
             SdoResult::Written => (0x60, 0),
             SdoResult::Value(value) => (0x43 | unused_bytes(value.width), value.bits),
+            SdoResult::Unsized(bytes) => (0x42, u32::from_le_bytes(bytes)),
             SdoResult::Aborted(code) => (0x80, code),
         };
         message(RESPONSE_ID + u16::from(node), command, self.object, bits)
@@ -86,8 +89,8 @@ impl SdoResponse {
         let result = match command {
             0x60 => SdoResult::Written,
             0x80 => SdoResult::Aborted(bits),
-            // Expedited without a size: four bytes.
-            0x42 => SdoResult::Value(Value::u32(bits)),
+            // Expedited without a size.
+            0x42 => SdoResult::Unsized(bits.to_le_bytes()),
             _ => written_value(command, 0x43, bits).map_or(SdoResult::Aborted(UNSUPPORTED), SdoResult::Value),
         };
         Some((node, Self { object, result }))
@@ -175,7 +178,7 @@ mod tests {
         assert_eq!(SdoRequest::Read(OBJECT).frame(4), Frame::data(0x604, [0x40, 0x71, 0x60, 0, 0, 0, 0, 0]));
         let answer = |bytes: [u8; 8]| SdoResponse::parse(&Frame::data(0x584, bytes)).unwrap().1.result;
         assert_eq!(answer([0x4B, 0x71, 0x60, 0, 0xFF, 0xFF, 7, 7]), SdoResult::Value(Value::u16(0xFFFF)));
-        assert_eq!(answer([0x42, 0x71, 0x60, 0, 1, 2, 3, 4]), SdoResult::Value(Value::u32(0x0403_0201)));
+        assert_eq!(answer([0x42, 0x71, 0x60, 0, 1, 2, 3, 4]), SdoResult::Unsized([1, 2, 3, 4]));
         assert_eq!(answer([0x60, 0x71, 0x60, 0, 0, 0, 0, 0]), SdoResult::Written);
         assert_eq!(answer([0x80, 0x71, 0x60, 0, 0x00, 0x00, 0x02, 0x06]), SdoResult::Aborted(0x0602_0000));
         assert_eq!(answer([0x41, 0x71, 0x60, 0, 9, 0, 0, 0]), SdoResult::Aborted(UNSUPPORTED));

@@ -57,6 +57,8 @@ struct HeartbeatEntry {
     period: Spanned<f64>,
     timeout: Spanned<f64>,
     drive_watchdog: Spanned<f64>,
+    /// Why it is longer than an operator's hand may be away.
+    long_watchdog: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -88,6 +90,9 @@ struct LimitEntry {
     disagreement_time: Spanned<f64>,
     stuck: Spanned<f64>,
     torque_error: Option<Spanned<f64>>,
+    latency: Option<Spanned<f64>>,
+    following: Option<Spanned<f64>>,
+    space: Option<Spanned<[[f64; 2]; 3]>>,
 }
 
 #[derive(Deserialize)]
@@ -159,6 +164,12 @@ const LARGE: f64 = 1e6;
 /// No friction lies between a motor and what its drive says of it: this share of what a load cell may be off by, unless the file says more.
 const TORQUE_ERROR: f64 = 0.2;
 
+/// Periods that a torque takes where nothing is slow: to the next SYNC, to the one at which it is sampled, and as much for the motor.
+const LATENCY: f64 = 3.0;
+
+/// How far a platform may be from where it is led: this share of its shortest cable at home.
+const FOLLOWING: f64 = 0.02;
+
 pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
     let file: File = toml::from_str(text)?;
     let check = Checked { text };
@@ -179,7 +190,7 @@ pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
         home: home(&check, &file.home, &rig.rig)?,
         slack: slack(&check, &file.slack)?,
-        limits: limits(&check, &file.limits)?,
+        limits: limits(&check, &file.limits, &rig.rig, home(&check, &file.home, &rig.rig)?)?,
         safe: Safe {
             output: file.safe.output,
             ramp: time(&check, &file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
@@ -235,16 +246,13 @@ fn slack(check: &Checked, entry: &SlackEntry) -> Result<Slack, Refused> {
     })
 }
 
-fn limits(check: &Checked, entry: &LimitEntry) -> Result<Limits, Refused> {
+fn limits(check: &Checked, entry: &LimitEntry, rig: &Rig, home: Pose) -> Result<Limits, Refused> {
     let number = |value, name: &str, range, unit| check.within(value, &format!("limits.{name}"), range, unit);
+    let lost_cycles =
+        check.within(&entry.lost_cycles, "limits.lost_cycles", 0..=MOST_LOST_CYCLES, "cycles")?;
     let disagreement = number(&entry.disagreement, "disagreement", 0.01..=LARGE, "N")?;
     Ok(Limits {
-        lost_cycles: check.within(
-            &entry.lost_cycles,
-            "limits.lost_cycles",
-            0..=MOST_LOST_CYCLES,
-            "cycles",
-        )?,
+        lost_cycles,
         cable_speed: number(&entry.cable_speed, "cable_speed", 0.01..=100.0, "m/s")?,
         freeze_speed: number(&entry.freeze_speed, "freeze_speed", 1e-4..=100.0, "m/s")?,
         freeze_travel: number(&entry.freeze_travel, "freeze_travel", 1e-4..=1.0, "m")?,
@@ -254,9 +262,45 @@ fn limits(check: &Checked, entry: &LimitEntry) -> Result<Limits, Refused> {
             Some(given) => number(given, "torque_error", 1e-3..=LARGE, "N")?,
             None => TORQUE_ERROR * disagreement,
         },
+        latency: match &entry.latency {
+            Some(given) => number(given, "latency", 1.0..=100.0, "periods")?,
+            None => LATENCY.max(f64::from(lost_cycles) + 1.0),
+        },
+        following: match &entry.following {
+            Some(given) => number(given, "following", 1e-4..=10.0, "m")?,
+            None => FOLLOWING * rig.cables_at(&home).length.iter().copied().fold(f64::INFINITY, f64::min),
+        },
+        space: match &entry.space {
+            Some(given) => space(check, given, home)?,
+            None => space_of(rig, home),
+        },
         disagreement_time: time(check, &entry.disagreement_time, "limits.disagreement_time", 0.0..=10.0)?,
         stuck: number(&entry.stuck, "stuck", 0.01..=LARGE, "N")?,
     })
+}
+
+/// The box that holds the anchors and the platform at home.
+fn space_of(rig: &Rig, home: Pose) -> [[f64; 2]; 3] {
+    let (at, radius) = (home.position(), rig.platform_radius());
+    [0, 1, 2].map(|axis| {
+        let anchors = rig.cables.iter().map(|cable| cable.anchor[axis]);
+        anchors.fold([at[axis] - radius, at[axis] + radius], |[least, greatest], anchor| {
+            [least.min(anchor), greatest.max(anchor)]
+        })
+    })
+}
+
+fn space(check: &Checked, given: &Spanned<[[f64; 2]; 3]>, home: Pose) -> Result<[[f64; 2]; 3], Refused> {
+    let at = home.position();
+    for (axis, [least, greatest]) in given.get_ref().iter().enumerate() {
+        if !(*least <= at[axis] && at[axis] <= *greatest) {
+            let field = format!("limits.space[{}] ({})", axis + 1, ["x", "y", "z"][axis]);
+            let allowed =
+                format!("must be two numbers, the least first, with home ({}) between them (m)", at[axis]);
+            return Err(check.refuse(given.span().start, &field, format!("[{least}, {greatest}]"), allowed));
+        }
+    }
+    Ok(*given.get_ref())
 }
 
 fn home(check: &Checked, home: &Spanned<[f64; 6]>, rig: &Rig) -> Result<Pose, Refused> {

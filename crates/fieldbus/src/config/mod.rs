@@ -176,6 +176,12 @@ pub struct Limits {
     pub disagreement_time: Nanoseconds,
     /// Largest difference between what a drive says that its motor gives (0x6077) and what was commanded of late, N.
     pub torque_error: f64,
+    /// How far the platform may be from what the law follows, beyond what it was from a new set point, m.
+    pub following: f64,
+    /// Where the platform's centre of mass may be: least and greatest x, y, z, m.
+    pub space: [[f64; 2]; 3],
+    /// Periods from the command of a torque to the drive's word that its motor gives it, at most.
+    pub latency: f64,
     /// A load cell that says the same to the last bit while its motor's pull changed by this is stuck, N.
     pub stuck: f64,
 }
@@ -360,6 +366,26 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_long_watchdog_is_taken_with_a_reason() {
+        let long =
+            AKD.replacen("drive_watchdog = 0.1 ", "long_watchdog = \"brakes\"\ndrive_watchdog = 60.0 ", 1);
+        assert_eq!(parse(&long).unwrap().heartbeat.drive_watchdog, 60_000_000_000);
+    }
+
+    #[test]
+    fn what_limits_leave_out_follows_from_the_rig() {
+        let limits = parse(AKD).unwrap().limits;
+        assert!((limits.torque_error - 0.4).abs() < 1e-12 && limits.latency == 5.0, "{limits:?}");
+        assert!((limits.following - 0.0212).abs() < 1e-3, "{limits:?}");
+        let [x, y, z] = limits.space;
+        assert!(
+            (x[0] + 0.5196).abs() < 1e-3 && (x[1] - 0.2887).abs() < 1e-3 && y == [-0.45, 0.45],
+            "{limits:?}"
+        );
+        assert!(z[0] == 0.0 && (z[1] - 1.2887).abs() < 1e-3, "{limits:?}");
+    }
+
+    #[test]
     fn bad_values_are_named_with_their_line() {
         let line = AKD.lines().position(|line| line.starts_with("rate")).unwrap() + 1;
         let rate = refusal("rate = 250.0", "rate = 0");
@@ -419,6 +445,21 @@ pub(crate) mod tests {
                 "[[buses]]",
                 "[[buses]]\nname = \"can0\"\nbit_rate = 1e6\n\n[[buses]]",
                 "buses[2].name = can0 is not allowed: buses[1] has this name already",
+            ),
+            (
+                "counts_per_turn = 65536.0",
+                "counts_per_turn = 16.0",
+                "drives[1].counts_per_turn = 16 is not allowed: must be at least 39",
+            ),
+            (
+                "drive_watchdog = 0.1 ",
+                "drive_watchdog = 60.0 ",
+                "heartbeat.drive_watchdog = 60 is not allowed: must be at most timeouts.enable (0.5 s)",
+            ),
+            (
+                "tilt = 0.15",
+                "space = [[-0.3, 0.3], [0.1, 0.3], [0.8, 1.0]]\ntilt = 0.15",
+                "limits.space[2] (y) = [0.1, 0.3] is not allowed: must be two numbers",
             ),
             (
                 "index = 0x605A",

@@ -119,6 +119,7 @@ fn report(log: &Log, time: u64, event: &Event) {
         Event::Entered(state) => (Category::Events, format!("{state}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off again: {cause:?}")),
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
+        Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
     };
     if log.is_enabled(category) {
         log.send(Status::Ok, category, &format!("{:.3} s after the start: {text}", time as f64 * 1e-9));

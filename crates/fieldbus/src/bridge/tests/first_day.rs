@@ -198,3 +198,117 @@ fn home_that_is_not_given_again_stops_the_motors_and_one_that_comes_late_starts_
     bench.run(0.1);
     assert!(bench.take_up_slack(), "{:?}", bench.events);
 }
+
+#[test]
+fn a_link_with_a_constant_delay_is_refused_before_the_lift() {
+    for (each_way, is_late) in [(0, false), (4, false), (15, true), (50, true)] {
+        let mut bench = as_said();
+        bench.suffer(&format!("delay {each_way}")).unwrap();
+        let is_started = bench.start();
+        println!("{each_way} ms each way: {:?}", bench.bridge.fault);
+        if is_late {
+            assert!(matches!(bench.bridge.fault, Some(Fault::Late { .. })), "{:?}", bench.events);
+            assert_eq!(bench.rig.support(), Support::Stand);
+        } else {
+            assert!(is_started, "{each_way} ms: {:?}", bench.events);
+        }
+    }
+}
+
+/// Of a rig whose platform weighs this: the fault if there was one, and how far the platform went from where it was led.
+fn with_mass(mass: f64) -> (Option<Fault>, f64) {
+    let mut truth = config();
+    truth.rig.mass = mass;
+    let imperfections = PlantParameters {
+        friction: 0.2,
+        motor_lag: 2e-3,
+        load_cell_noise: 0.01,
+        ..PlantParameters::default()
+    };
+    let mut bench = Bench::believing(truth, config(), imperfections).unwrap();
+    assert!(bench.start(), "{mass} kg: {:?}", bench.events);
+    bench.run(2.0);
+    if bench.bridge.state() == State::Enabled {
+        bench.go_to(0.1, 0.0, 1.0);
+        bench.run(12.0);
+    }
+    let stopped = bench.events.iter().find_map(|(_, event)| match event {
+        Event::Fault(fault) => Some(*fault),
+        _ => None,
+    });
+    let away = match stopped {
+        Some(Fault::OffCourse { distance, .. }) => distance,
+        _ => 0.0,
+    };
+    println!("{mass} kg: {stopped:?}");
+    (stopped, away)
+}
+
+#[test]
+fn a_platform_that_weighs_something_else_is_off_course() {
+    assert_eq!(with_mass(6.0).0, None);
+    for mass in [4.0, 5.5, 8.0] {
+        let (fault, away) = with_mass(mass);
+        assert!(matches!(fault, Some(Fault::OffCourse { .. })), "{mass} kg: {fault:?}");
+        // What is too heavy stays where it stands, 0.1 m from its goal.
+        assert!(mass > 6.0 || away < 0.06, "{mass} kg: {away} m");
+    }
+}
+
+#[test]
+fn outside_of_the_box_no_goal_is_taken_and_no_platform_left() {
+    let mut narrow = config();
+    narrow.limits.space = [[-0.3, 0.05], [-0.3, 0.3], [0.5, 1.2]];
+    let mut bench = Bench::believing(config(), narrow, PlantParameters::default()).unwrap();
+    assert!(bench.start(), "{:?}", bench.events);
+    bench.run(1.0);
+    let out = bench.bridge.operator(OperatorCommand::Goal(Pose::at(0.1, 0.0, 1.0)), bench.now);
+    assert_eq!(out, Err(Refusal::OutOfBox { axis: 'x', at: 0.1 }));
+    // The goal is taken, and then the box gets smaller.
+    bench.go_to(0.04, 0.0, 1.0);
+    bench.bridge.config.limits.space[0][1] = 0.02;
+    bench.run(5.0);
+    assert!(
+        matches!(bench.bridge.fault, Some(Fault::OutOfBox { axis: 'x', .. })),
+        "{:?}",
+        bench.bridge.fault
+    );
+}
+
+#[test]
+fn an_encoder_of_1000_counts_a_turn_is_not_called_frozen_in_normal_motion() {
+    for counts in [1000, 2000] {
+        let text = AKD.replace("counts_per_turn = 65536.0", &format!("counts_per_turn = {counts}.0"));
+        let config = parse(&text).unwrap();
+        let mut bench = Bench::new(config, PlantParameters::default()).unwrap();
+        assert!(bench.start(), "{:?}", bench.events);
+        bench.run(1.0);
+        bench.go_to(0.1, 0.1, 1.0);
+        bench.run(10.0);
+        let frozen = |(_, event): &(u64, Event)| matches!(event, Event::Fault(Fault::EncoderFrozen { .. }));
+        assert!(!bench.events.iter().any(frozen), "{counts}: {:?}", bench.events);
+        println!("{counts} counts: {:?}", bench.bridge.fault);
+    }
+}
+
+#[test]
+fn an_emergency_message_without_an_error_is_logged_and_no_fault() {
+    let mut bench = moving(as_said(), 0.2);
+    let warning = Emergency { node: 5, code: 0xFF01, register: 0, maker: [0; 5] };
+    bench.inject(0, warning.frame());
+    bench.run(0.1);
+    assert_eq!((bench.bridge.state(), bench.bridge.fault), (State::Enabled, None));
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::Emergency(warning)));
+}
+
+#[test]
+fn after_a_fault_the_pose_is_the_measured_one_or_none() {
+    let (_, _, mut bench) = ended("drive 3 jumps 20000");
+    assert_eq!(bench.cycle().measured_pose, None, "an encoder that jumped says nothing of the platform");
+    let (_, _, mut bench) = ended("cell 4 says 100000");
+    for _ in 0..250 {
+        let report = bench.cycle();
+        let (seen, is) = (report.measured_pose.unwrap(), bench.rig.plant().encoder_pose);
+        assert!((seen.position() - is.position()).norm() < 2e-3, "{seen:?} {is:?}");
+    }
+}

@@ -24,7 +24,46 @@ pub(super) fn check(check: &Checked, file: &File, config: &Config) -> Result<(),
     motors_are_strong_enough(check, file, config)?;
     home_is_held(check, file, config)?;
     pretension_is_seen(check, file, config)?;
-    drives_are_patient(check, file, config)
+    drives_are_patient(check, file, config)?;
+    drives_are_not_too_patient(check, file, config)?;
+    counts_are_slower_than_mistakes(check, file, config)
+}
+
+/// A bridge that is gone must not be waited for longer than an operator who is.
+fn drives_are_not_too_patient(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
+    let (watchdog, enable) = (config.heartbeat.drive_watchdog, config.timeouts.enable);
+    let has_reason = file.heartbeat.long_watchdog.as_ref().is_some_and(|reason| !reason.trim().is_empty());
+    if watchdog <= enable || has_reason {
+        return Ok(());
+    }
+    let allowed = format!(
+        "must be at most timeouts.enable ({} s): so long the motors go on pulling when the bridge is killed. Say in heartbeat.long_watchdog why it may be longer",
+        enable as f64 * 1e-9
+    );
+    let offset = file.heartbeat.drive_watchdog.span().start;
+    Err(check.refuse(offset, "heartbeat.drive_watchdog", file.heartbeat.drive_watchdog.get_ref(), allowed))
+}
+
+/// One count in a cycle is a speed: if that is half of what counts as a mistake, motion cannot be told from it.
+fn counts_are_slower_than_mistakes(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
+    for (i, entry) in file.drives.get_ref().iter().enumerate() {
+        let winch = &config.drives[i].winch;
+        let speed = winch.metres_per_count() * 1e9 / config.period as f64;
+        if speed > 0.5 * config.limits.cable_speed {
+            let needed = winch.counts_per_turn * speed / (0.5 * config.limits.cable_speed);
+            let allowed = format!(
+                "must be at least {needed:.0}: a count in a cycle would be {speed:.2} m/s, more than half of limits.cable_speed"
+            );
+            let field = format!("drives[{}].counts_per_turn", i + 1);
+            return Err(check.refuse(
+                entry.counts_per_turn.span().start,
+                &field,
+                winch.counts_per_turn,
+                allowed,
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// No address twice, on whatever bus: faults name nodes.
