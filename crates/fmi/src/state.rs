@@ -113,6 +113,8 @@ impl Snapshot {
             State::StepMode => self.model.usage() == Use::CoSimulation,
             State::EventMode if interface.variant() == Variant::Full => true,
             State::EventMode | State::ContinuousTimeMode => self.model.usage() == Use::ModelExchange,
+            // Only nodes on buses have it, whose states are not saved.
+            State::Configuration => false,
             _ => true,
         }
     }
@@ -213,5 +215,14 @@ mod tests {
         let mut not_finite = Snapshot::new(&plant);
         not_finite.values.put(1, f64::NAN);
         assert!(Snapshot::from_bytes(&plant, &not_finite.to_bytes(&plant).unwrap()).is_err());
+    }
+    /// An instance that took it up refused every call but a reset; the state itself could not be freed.
+    #[test]
+    fn a_state_in_configuration_mode_is_refused() {
+        for interface in crate::models::MODELS.map(Model::interface) {
+            let configured = Snapshot { state: State::Configuration, ..Snapshot::new(&interface) };
+            let said = Snapshot::from_bytes(&interface, &configured.to_bytes(&interface).unwrap());
+            assert!(said.unwrap_err().to_string().contains("its parts contradict each other"));
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::env::consts::{ARCH, DLL_SUFFIX, OS};
 use std::error::Error;
 use std::ffi::CString;
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::fmi2::Slave2;
 use super::fmi3::Slave3;
 use super::folder::Folder;
-use super::limits::LONGEST_DESCRIPTION;
+use super::limits::{LONGEST_DESCRIPTION, MOST_PACKED};
 use super::log::LogSink;
 use super::slave::{Failure, Slave};
 use super::unpack::unpack;
@@ -56,11 +56,29 @@ impl Fmu {
     /// [`CosimError`]: no zip archive, a description that is wrong, no binary for this machine, or one that cannot
     /// be loaded.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, CosimError> {
-        Self::found(path.as_ref(), |fmu, version, file| {
-            let library = Library::load(version, &file);
-            let library = library.map_err(|reason| CosimError::Library { fmu: fmu.to_owned(), reason })?;
-            Ok(Binary::Here(library))
-        })
+        let path = path.as_ref();
+        Self::found(path, opened(path)?, Self::here)
+    }
+
+    /// The bytes of an FMU's file, for whoever has to know what exactly [`open_read`](Self::open_read) loads.
+    ///
+    /// # Errors
+    /// [`CosimError::Archive`]: it cannot be read, or is too large.
+    pub fn read(path: &Path) -> Result<Vec<u8>, CosimError> {
+        cable_robot_files::read(path, MOST_PACKED).map_err(|reason| no_archive(path, reason.to_string()))
+    }
+
+    /// As [`open`](Self::open), of the bytes that were [`read`](Self::read) from `path`: the file is not looked at again.
+    ///
+    /// # Errors
+    /// As of [`open`](Self::open).
+    pub fn open_read(path: &Path, bytes: &[u8]) -> Result<Self, CosimError> {
+        Self::found(path, Cursor::new(bytes), Self::here)
+    }
+
+    fn here(fmu: &str, version: FmiVersion, file: PathBuf) -> Result<Binary, CosimError> {
+        let library = Library::load(version, &file);
+        Ok(Binary::Here(library.map_err(|reason| CosimError::Library { fmu: fmu.to_owned(), reason })?))
     }
 
     /// As [`open`](Self::open), but no code of the FMU runs in this process: each instance gets a process of its own, in which `worker` loads the
@@ -70,15 +88,17 @@ impl Fmu {
     /// [`CosimError`], as of [`open`](Self::open); that the binary cannot be loaded [`instantiate`](Self::instantiate) says.
     #[cfg(unix)]
     pub fn open_apart(path: impl AsRef<Path>, worker: &Worker) -> Result<Self, CosimError> {
-        Self::found(path.as_ref(), |_, _, file| Ok(Binary::Apart(worker.clone(), file)))
+        let path = path.as_ref();
+        Self::found(path, opened(path)?, |_, _, file| Ok(Binary::Apart(worker.clone(), file)))
     }
 
     fn found(
         path: &Path,
+        archive: impl Read + Seek,
         binary: impl FnOnce(&str, FmiVersion, PathBuf) -> Result<Binary, CosimError>,
     ) -> Result<Self, CosimError> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let folder = unpack(path).map_err(|reason| CosimError::Archive { path: path.to_owned(), reason })?;
+        let folder = unpack(archive).map_err(|reason| no_archive(path, reason))?;
         let description = describe(folder.path())
             .map_err(|problem| CosimError::Description { fmu: name.clone(), problem })?;
         let binary = binary(&name, description.version, find(&name, folder.path(), &description)?)?;
@@ -132,6 +152,14 @@ impl Fmu {
     }
 }
 
+fn opened(path: &Path) -> Result<File, CosimError> {
+    cable_robot_files::open(path).map_err(|reason| no_archive(path, reason.to_string()))
+}
+
+fn no_archive(path: &Path, reason: String) -> CosimError {
+    CosimError::Archive { path: path.to_owned(), reason }
+}
+
 impl Library {
     /// Loads a binary; the reason if that fails.
     pub(super) fn load(version: FmiVersion, file: &Path) -> Result<Self, String> {
@@ -174,13 +202,9 @@ pub(super) fn instantiate(
 
 /// What an unpacked FMU says of itself; the problem if that is not understood.
 fn describe(folder: &Path) -> Result<ModelDescription, String> {
-    let file = File::open(folder.join("modelDescription.xml")).map_err(|e| e.to_string())?;
-    let mut xml = String::new();
-    file.take(LONGEST_DESCRIPTION + 1).read_to_string(&mut xml).map_err(|e| e.to_string())?;
-    if xml.len() as u64 > LONGEST_DESCRIPTION {
-        return Err(format!("it has more than {LONGEST_DESCRIPTION} bytes, the most that are read"));
-    }
-    ModelDescription::parse(&xml)
+    let path = folder.join("modelDescription.xml");
+    let bytes = cable_robot_files::read(&path, LONGEST_DESCRIPTION).map_err(|e| e.to_string())?;
+    ModelDescription::parse(&String::from_utf8(bytes).map_err(|e| e.to_string())?)
 }
 
 /// The binary for this machine.
@@ -254,6 +278,18 @@ mod tests {
 
     const XML: &[u8] = br#"<fmiModelDescription fmiVersion="3.0" modelName="M" instantiationToken="t">
         <CoSimulation modelIdentifier="M"/><ModelVariables/></fmiModelDescription>"#;
+
+    /// Between hash and loading the file could be exchanged.
+    #[test]
+    fn what_was_read_is_what_is_opened_whatever_is_in_the_file_by_then() {
+        let xml = br#"<fmiModelDescription fmiVersion="3.0" modelName="a" instantiationToken="b">
+            <CoSimulation modelIdentifier="c"/></fmiModelDescription>"#;
+        let file = archive(&[("modelDescription.xml", xml)]);
+        let bytes = Fmu::read(file.path()).unwrap();
+        fs::write(file.path(), "no zip").unwrap();
+        assert!(matches!(Fmu::open_read(file.path(), &bytes), Err(CosimError::Platform { .. })));
+        assert!(matches!(Fmu::open(file.path()), Err(CosimError::Archive { .. })));
+    }
 
     #[test]
     fn uri_encodes_spaces_umlauts_and_percent() {

@@ -2,6 +2,8 @@
 
 /// Files and folders in an archive.
 pub(super) const MOST_ENTRIES: usize = 100_000;
+/// Bytes of an archive that is read whole.
+pub(super) const MOST_PACKED: u64 = 1 << 30;
 /// Bytes of an archive, unpacked.
 pub(super) const MOST_UNPACKED: u64 = 1 << 30;
 /// Bytes of `modelDescription.xml`.

@@ -2,23 +2,28 @@
 
 use std::cell::RefCell;
 use std::ffi::c_void;
-use std::io::{self, ErrorKind, Read, Write};
-use std::os::fd::{AsFd, OwnedFd};
+use std::io::{self, BufRead, BufReader, ErrorKind, PipeReader, Read, Write};
+use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use super::log::LogSink;
 use super::slave::{Failure, Slave};
 use super::wire::{HEAD, Message, Refusal, Reply, Request, Start, frame, length};
+use super::worker::Show;
 use super::{Lost, Status, Value, Variable, VariableType, Worker};
 
 /// How often somebody who waits looks whether to go on.
 const PATIENCE: Duration = Duration::from_millis(100);
 /// A process that closed its socket is gone soon, a core dump written.
 const LAST_WORDS: Duration = Duration::from_secs(2);
+/// Bytes of what an FMU prints that are shown at once.
+const LONGEST_PRINT: u64 = 1 << 16;
 
 /// Owns the process.
 pub(super) struct Remote {
@@ -187,6 +192,8 @@ struct Link {
     child: Child,
     socket: UnixStream,
     worker: Worker,
+    /// Ends when all is shown that the process printed.
+    prints: Receiver<()>,
     /// What came and is not read yet.
     inbox: Vec<u8>,
     outbox: Vec<u8>,
@@ -197,14 +204,18 @@ impl Link {
         let (socket, theirs) = UnixStream::pair()?;
         socket.set_read_timeout(Some(PATIENCE))?;
         socket.set_write_timeout(Some(PATIENCE))?;
+        let (prints, printer) = io::pipe()?;
+        // The command goes, and with it this process's end of the pipe.
         let child = Command::new(&worker.program)
             .args(&worker.arguments)
             .stdin(OwnedFd::from(theirs))
-            .stdout(io::stderr().as_fd().try_clone_to_owned()?)
+            .stdout(printer.try_clone()?)
+            .stderr(printer)
             // Ctrl-C is for this process alone.
             .process_group(0)
             .spawn()?;
-        Ok(Self { child, socket, worker: worker.clone(), inbox: vec![], outbox: vec![] })
+        let prints = show_prints(prints, Arc::clone(&worker.show));
+        Ok(Self { child, socket, worker: worker.clone(), prints, inbox: vec![], outbox: vec![] })
     }
 
     fn exchange<T: serde::Serialize>(
@@ -268,7 +279,7 @@ impl Link {
         }
         // A process that it has started may hold the socket open.
         if let Ok(Some(status)) = self.child.try_wait() {
-            return Err(Lost::Ended(status));
+            return Err(self.heard_out(Lost::Ended(status)));
         }
         self.go_on(begun)
     }
@@ -286,6 +297,12 @@ impl Link {
     fn end(&mut self, lost: Lost) -> Lost {
         let _ = self.child.kill();
         let _ = self.child.wait();
+        self.heard_out(lost)
+    }
+
+    /// Waits until all is shown that the process printed, unless another one that it has started can still print.
+    fn heard_out(&self, lost: Lost) -> Lost {
+        let _ = self.prints.recv_timeout(LAST_WORDS);
         lost
     }
 
@@ -294,10 +311,25 @@ impl Link {
         let begun = Instant::now();
         loop {
             match self.child.try_wait() {
-                Ok(Some(status)) => return Lost::Ended(status),
-                Ok(None) if begun.elapsed() < LAST_WORDS => std::thread::sleep(Duration::from_millis(1)),
+                Ok(Some(status)) => return self.heard_out(Lost::Ended(status)),
+                Ok(None) if begun.elapsed() < LAST_WORDS => thread::sleep(Duration::from_millis(1)),
                 _ => return self.end(Lost::Garbled),
             }
         }
     }
+}
+
+/// Hands on what comes through the pipe, until it ends; what is returned ends then, too.
+fn show_prints(prints: PipeReader, show: Show) -> Receiver<()> {
+    let (end, ended) = channel();
+    thread::spawn(move || {
+        let (mut prints, mut line) = (BufReader::new(prints), vec![]);
+        let mut next = |line: &mut Vec<u8>| prints.by_ref().take(LONGEST_PRINT).read_until(b'\n', line);
+        while next(&mut line).is_ok_and(|count| count > 0) {
+            show(&String::from_utf8_lossy(&line));
+            line.clear();
+        }
+        drop(end);
+    });
+    ended
 }

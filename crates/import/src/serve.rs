@@ -16,7 +16,7 @@ use super::wire::{Message, Refusal, Reply, Request, Start, frame, receive};
 use super::{Value, VariableType};
 
 /// Serves the process that started this one with [`Fmu::open_apart`](super::Fmu::open_apart), until that has enough or is no more: all that the
-/// `main` of a [`Worker`](super::Worker) has to do. The FMU reads an empty stdin; what it prints goes to stderr.
+/// `main` of a [`Worker`](super::Worker) has to do. The FMU reads an empty stdin; what it prints goes to the process that started this one.
 ///
 /// # Errors
 /// Stdin is no socket: nobody started this as a worker; or what comes is no request.

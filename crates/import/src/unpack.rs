@@ -11,9 +11,8 @@ use super::folder::Folder;
 use super::limits::{MOST_ENTRIES, MOST_UNPACKED};
 
 /// Unpacks into a new temporary folder; the reason if that fails.
-pub(super) fn unpack(path: &Path) -> Result<Folder, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    let mut archive = ZipArchive::new(file).map_err(|e| e.to_string())?;
+pub(super) fn unpack(archive: impl Read + Seek) -> Result<Folder, String> {
+    let mut archive = ZipArchive::new(archive).map_err(|e| e.to_string())?;
     let folder = Folder::new().map_err(|e| e.to_string())?;
     extract(&mut archive, folder.path(), MOST_UNPACKED)?;
     // An FMU may come without, and is told the path all the same.

@@ -272,7 +272,9 @@ impl Simulate {
         let program = std::env::current_exe().context("cannot find this program to run the FMU in")?;
         let limit = Duration::try_from_secs_f64(self.fmu_timeout).unwrap_or(Duration::MAX);
         let interruption = interruption.clone();
-        let worker = Worker::new(program, &[FMU_WORKER]).with_limit(limit);
+        // Nothing depends on whether stderr is read.
+        let show = |text: &str| drop(write!(std::io::stderr(), "{}", plain(text)));
+        let worker = Worker::new(program, &[FMU_WORKER]).with_limit(limit).with_prints(show);
         Ok(Fmu::open_apart(path, &worker.until(move || interruption.is_asked()))?)
     }
 

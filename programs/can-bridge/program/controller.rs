@@ -1,7 +1,6 @@
 //! The controller: this program's own, or an FMU that the user names, whose variables are looked up once. It is stepped without allocating.
 
 use std::fmt;
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
@@ -14,7 +13,7 @@ use cable_robot_fmi::Model;
 use cable_robot_fmi::can::{self, GivenError, rig_file};
 use cable_robot_fmi::models::controller;
 use cable_robot_fmi::variables::Causality as Role;
-use cable_robot_import::{LogMessage, Status};
+use cable_robot_import::{Fmu, LogMessage, Status};
 use cable_robot_programs::errors::similar;
 use cable_robot_report::run_folder;
 use sha2::{Digest, Sha256};
@@ -78,12 +77,12 @@ impl BridgeController {
     /// Runs the code in the file: it is the user's word that this is meant.
     fn packed(config: &Config, path: &Path) -> Result<Self> {
         privileges::refuse_foreign_code()?;
-        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = Fmu::read(path)?;
         let identity =
             Identity::Packed(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect());
         say(format_args!("can-bridge: controller {} ({identity})", path.display()));
         let rig = rig_file(config);
-        let mut fmu = FmuModel::open(path, &rig, Box::new(say_of_fmu))?;
+        let mut fmu = FmuModel::of(&Fmu::open_read(path, &bytes)?, path, &rig, Box::new(say_of_fmu))?;
         ensure!(fmu.model() == Model::Controller, "{} is a plant, no controller", path.display());
         let start = |fmu: &mut FmuModel| -> Result<()> {
             fmu.require(Role::Parameter, &["anchor", "attachment"]).context(

@@ -1,15 +1,17 @@
 //! A session on disk: the log (see [`log`]), and from the first time the controller pulls a run folder for the report.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use cable_robot::plan::{ControllerInputs, ControllerOutputs, Status};
 use cable_robot::robot::Pose;
 use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
 use cable_robot_fieldbus::bridge::{CycleReport, Event};
 use cable_robot_fieldbus::{Config, Files, Nanoseconds, OperatorCommand, State};
+use cable_robot_report::RunFolderError;
+use cable_robot_report::files::{begin, write_whole};
 use cable_robot_report::recording::{Recording as Rows, columns};
 use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
 use nalgebra::Vector3;
@@ -39,8 +41,9 @@ struct RowFile {
 }
 
 impl RowFile {
-    fn create(path: &Path) -> io::Result<Self> {
-        Ok(Self { file: File::create(path)?, rows: vec![] })
+    /// In place of what stands there.
+    fn create(path: &Path) -> Result<Self, RunFolderError> {
+        Ok(Self { file: begin(path)?, rows: vec![] })
     }
 }
 
@@ -72,12 +75,9 @@ impl Recording {
     /// Makes the folder and its files.
     pub fn create(folder: &Path, files: &Files, controller: &BridgeController, is_dry: bool) -> Result<Self> {
         run_folder::make(folder)?;
-        let create = |name: &str| {
-            let path = folder.join(name);
-            RowFile::create(&path).with_context(|| format!("cannot write {}", path.display()))
-        };
+        let create = |name: &str| RowFile::create(&folder.join(name));
         for (name, text) in [(log::FIELDBUS, &files.fieldbus), (log::RIG, &files.rig)] {
-            fs::write(folder.join(name), text).with_context(|| format!("cannot write the copy of {name}"))?;
+            write_whole(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
         }
         let config = &files.config;
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
@@ -219,11 +219,14 @@ impl Run {
     }
 
     fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
-        let mut csv = csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV))?);
+        let mut csv =
+            csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV)).map_err(io::Error::other)?);
         let kept =
             columns(self.info.plant_parameters.rig.cables.len()).into_iter().filter(|name| is_measured(name));
         csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
-        fs::write(self.folder.join(RUN_JSON), serde_json::to_string_pretty(&self.info)? + "\n")?;
+        let info = serde_json::to_string_pretty(&self.info)? + "\n";
+        write_whole(&self.folder.join(RUN_JSON), |file| file.write_all(info.as_bytes()))
+            .map_err(io::Error::other)?;
         (self.csv, self.begun) = (Some(csv), time);
         Ok(())
     }

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use cable_robot::sim::ControllerModel;
 use cable_robot_fieldbus::bridge::Bridge;
 use cable_robot_fieldbus::{Config, Files, FrameQueue, Nanoseconds};
+use cable_robot_files::{Lines, read_text};
 
 use super::controller::{BridgeController, Identity};
 use super::entry::{Input, OnBus};
@@ -29,8 +30,7 @@ pub fn run(folder: &Path, fmu: Option<&Path>) -> Result<Outcome> {
     check_identity(inputs.controller.as_deref(), controller.identity())?;
     let path = folder.join(log::CYCLES);
     let is_whole = ends_whole(&path)?;
-    let mut cycles =
-        csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut cycles = csv::Reader::from_reader(lines(&path)?);
     if cycles.headers()?.iter().ne(log::columns(config.rig.cables.len())) {
         bail!("{}: its columns are not those that this program writes", path.display());
     }
@@ -83,10 +83,15 @@ fn check_identity(recorded: Option<&str>, controller: &Identity) -> Result<()> {
     )
 }
 
+/// A file of the recording that is read line by line.
+fn lines(path: &Path) -> Result<Lines<File>> {
+    Ok(Lines::new(cable_robot_files::open(path).with_context(|| format!("cannot read {}", path.display()))?))
+}
+
 /// Whether a file ends with a line: a program that found no room on the disk may have left half of one.
 fn ends_whole(path: &Path) -> Result<bool> {
     let read = || -> io::Result<u8> {
-        let (mut file, mut last) = (File::open(path)?, [0]);
+        let (mut file, mut last) = (cable_robot_files::open(path)?, [0]);
         file.seek(SeekFrom::End(-1))?;
         file.read_exact(&mut last)?;
         Ok(last[0])
@@ -205,7 +210,7 @@ struct Inputs {
 impl Inputs {
     fn read(folder: &Path, config: &Config) -> Result<Self> {
         let path = folder.join(log::INPUTS);
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let mut rows = csv::Reader::from_reader(whole.as_bytes());
         let mut read = Self { controller: None, is_dry: false, inputs: VecDeque::new(), gap: None };
@@ -246,7 +251,7 @@ struct Replay {
     inputs: VecDeque<(u64, Input)>,
     gap: Option<u64>,
     clock: Clock,
-    lines: BufReader<File>,
+    lines: BufReader<Lines<File>>,
     line: u64,
     received: u64,
     frames: u64,
@@ -256,7 +261,6 @@ struct Replay {
 impl Replay {
     fn open(folder: &Path, config: Config, Inputs { is_dry, inputs, gap, .. }: Inputs) -> Result<Self> {
         let path = folder.join(log::FRAMES);
-        let file = File::open(&path).with_context(|| format!("cannot read {}", path.display()))?;
         Ok(Self {
             bridge: if is_dry { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) },
             clock: Clock::new(&config),
@@ -264,7 +268,7 @@ impl Replay {
             is_dry,
             inputs,
             gap,
-            lines: BufReader::new(file),
+            lines: BufReader::new(lines(&path)?),
             line: 0,
             received: 0,
             frames: 0,
@@ -357,7 +361,7 @@ impl Replay {
     /// The next frame, which went this way, or any; `None` at the end of the file, which may be in a line.
     fn next(&mut self, direction: Option<Direction>) -> Result<Option<OnBus>> {
         let mut line = String::new();
-        self.lines.read_line(&mut line)?;
+        self.lines.read_line(&mut line).context(log::FRAMES)?;
         if !line.ends_with('\n') {
             // Half a line of text was cut; what is no text was never written.
             let is_text = line.chars().all(|character| character.is_ascii_graphic() || character == ' ');

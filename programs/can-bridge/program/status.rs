@@ -1,15 +1,15 @@
 //! What a person looks at, and what a program reads, while a session runs.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use cable_robot::robot::{PerCable, TensionLimits};
 use cable_robot_fieldbus::bridge::CycleReport;
 use cable_robot_fieldbus::bus_load::worst_case_bits;
 use cable_robot_fieldbus::{Config, Nanoseconds};
+use cable_robot_report::files::begin;
 use hdrhistogram::Histogram;
 use serde_json::{Value, json};
 
@@ -169,11 +169,8 @@ pub struct Stream {
 impl Stream {
     /// Into this file; `-` is stdout.
     pub fn create(path: &Path) -> Result<Self> {
-        let mut file: Box<dyn Write + Send> = if path == Path::new("-") {
-            Box::new(io::stdout())
-        } else {
-            Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)
-        };
+        let mut file: Box<dyn Write + Send> =
+            if path == Path::new("-") { Box::new(io::stdout()) } else { Box::new(begin(path)?) };
         let write = move |line: String| {
             let written = file.write_all(line.as_bytes()).and_then(|()| file.flush());
             written.inspect_err(|reason| say(format_args!("can-bridge: the status stream ends: {reason}")))

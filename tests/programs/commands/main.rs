@@ -6,6 +6,8 @@ mod ctrl_c;
 mod figures;
 mod foreign;
 #[cfg(target_os = "linux")]
+mod limits;
+#[cfg(target_os = "linux")]
 mod memory;
 mod modelica;
 mod orbit;

@@ -117,7 +117,6 @@ fn report(log: &Log, time: u64, event: &Event) {
             (Category::Warning, format!("{count} emergency messages came at once and were lost"))
         }
         Event::Entered(state) => (Category::Events, format!("{state}")),
-        Event::LetGo(cause) => (Category::Events, format!("the motors are off again: {cause:?}")),
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
     };

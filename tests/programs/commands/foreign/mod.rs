@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use cable_robot_report::RunFolder;
+use cable_robot_report::{Digest, RunFolder, html};
 use tempfile::TempDir;
 
 const MOVE_TO: [&str; 6] = ["simulate", "--from", "0,0,1", "--to", "0.05,0,1", "--duration"];
@@ -237,6 +237,17 @@ fn what_an_fmu_prints_and_reads_is_not_in_the_way_of_the_rows() {
     assert_eq!(said.matches("printed\n").count(), 500);
 }
 
+/// With its last words, however it ends.
+#[test]
+fn what_an_fmu_prints_commands_no_terminal() {
+    let step = format!(
+        "{LATER} {{ printf(\"\\033]0;owned\\007\"); fflush(stdout); fputs(\"\\033[2J\\377\", stderr); exit(0); }}"
+    );
+    let (said, rows) = foreign(Role::Plant, &[("ON_STEP", &step)]).ends(5, &[]);
+    assert!(said.contains(r"\u001b]0;owned\u0007\u001b[2J") && rows == ROWS, "{said}");
+    assert_eq!(said.chars().find(|c| c.is_control() && *c != '\n'), None, "{said:?}");
+}
+
 #[test]
 fn an_fmu_that_writes_into_every_file_does_no_harm() {
     for garbage in ["\\377\\377\\377\\377 a length of four gigabytes", "\\004\\0\\0\\0\\377\\377\\377\\377"] {
@@ -284,7 +295,7 @@ fn a_status_that_nobody_knows_is_shown_as_the_number() {
     assert_eq!(found["status"], "unknown status 99999");
     let recorded = RunFolder::read(&run).unwrap();
     assert!(recorded.table.column("controller.status").unwrap().iter().all(|status| *status == 99999.0));
-    let page = cable_robot_report::html(&recorded).unwrap();
+    let page = html(&Digest::of(&recorded).unwrap()).unwrap();
     assert!(page.contains("status at the end <b>unknown status 99999</b>"));
 }
 
