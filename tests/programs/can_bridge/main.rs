@@ -152,8 +152,8 @@ fn nothing_in_a_recording_is_left_unlooked_at() {
         let line = middle(text);
         text.replacen(&line, &format!("9{line}"), 1)
     });
-    // Some seconds more are whole periods: then it is the frames that do not follow.
-    assert!(code == Some(1) && is_found(&said), "{said}");
+    // Some seconds more are whole periods: then it is the frames that do not follow, or the bridge, which had no cycle for so long.
+    assert!((code == Some(1) && is_found(&said)) || (code == Some(4) && said.contains("differs")), "{said}");
     let (code, said) = changed("cycles.csv", &|text| text.replacen(&middle(text), "nonsense", 1));
     assert!(code == Some(1) && said.contains("cycles.csv"), "{said}");
     fs::remove_file(folder.join("frames.log")).unwrap();
@@ -391,7 +391,7 @@ fn check_prints_what_fits_and_a_kilohertz_is_refused() {
     }
     for (name, expected) in [
         ("CableRobotPlant.fmu", "CableRobotPlant.fmu is a plant, no controller"),
-        ("Nothing.fmu", "cannot read "),
+        ("Nothing.fmu", "Nothing.fmu cannot be opened as an FMU: No such file"),
     ] {
         let path = folder.path().join("rig.toml");
         fs::write(&path, rig_text()).unwrap();
