@@ -100,6 +100,18 @@ mod tests {
         assert!(fs::metadata(folder.path().join("two")).unwrap().len() <= 1000);
     }
 
+    #[test]
+    fn an_archive_of_more_files_than_the_limit_is_refused_before_any_is_written() {
+        let many = archive(|zip| {
+            for k in 0..=MOST_ENTRIES {
+                zip.start_file(k.to_string(), SimpleFileOptions::default()).unwrap();
+            }
+        });
+        let (folder, refused) = extracted(many, 2000);
+        assert_eq!(refused.unwrap_err(), "100001 files are in it; at most 100000 are unpacked");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
     /// The size that stands in the archive is one byte for each file.
     #[test]
     fn an_archive_that_lies_about_its_size_fills_no_disk() {

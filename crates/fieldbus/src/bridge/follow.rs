@@ -1,4 +1,4 @@
-//! Whether each drive does what it is told: its torque, the bits of its status word, its mode of operation.
+//! Whether each drive does what it is commanded: its torque, the bits of its status word, its mode of operation.
 
 use super::{Bridge, Fault, FrameQueue, Mode};
 use crate::Nanoseconds;
@@ -9,11 +9,11 @@ use crate::config::MOST_LOST_CYCLES;
 /// Cycles from a command to the sample that shows it: taken over at one SYNC, sampled at the next, and behind by the motor's lag.
 const WAY: usize = 3;
 
-/// What one drive was told of late, and what it says that it does.
+/// What one drive was commanded of late, and what it says that it does.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     /// The latest commands, ‰ of the rated torque, and where the next goes.
-    told: [i16; MOST_LOST_CYCLES as usize + WAY],
+    commanded: [i16; MOST_LOST_CYCLES as usize + WAY],
     next: usize,
     /// Its torque and its status word since the last cycle.
     arrived: Option<(i16, u16)>,
@@ -31,7 +31,7 @@ const EXPECTED: u16 = status::REMOTE | status::FOLLOWS;
 impl Follower {
     pub fn new() -> Self {
         Self {
-            told: [0; MOST_LOST_CYCLES as usize + WAY],
+            commanded: [0; MOST_LOST_CYCLES as usize + WAY],
             next: 0,
             arrived: None,
             shown: 0,
@@ -41,9 +41,9 @@ impl Follower {
     }
 
     /// What is sent in a cycle, ‰.
-    pub fn tell(&mut self, torque: i16) {
-        self.told[self.next] = torque;
-        self.next = (self.next + 1) % self.told.len();
+    pub fn command(&mut self, torque: i16) {
+        self.commanded[self.next] = torque;
+        self.next = (self.next + 1) % self.commanded.len();
     }
 
     pub fn receive(&mut self, torque: i16, status: u16) {
@@ -52,8 +52,9 @@ impl Follower {
 
     /// What between the least and the greatest of so many commands (‰) is nearest to this torque: a motor may be on its way from one to another.
     fn nearest(&self, torque: i16, window: usize) -> i16 {
-        let of_late = (1..=window).map(|k| self.told[(self.next + self.told.len() - k) % self.told.len()]);
-        let (least, greatest) = of_late.fold((i16::MAX, i16::MIN), |(a, b), told| (a.min(told), b.max(told)));
+        let of_late = (1..=window)
+            .map(|k| self.commanded[(self.next + self.commanded.len() - k) % self.commanded.len()]);
+        let (least, greatest) = of_late.fold((i16::MAX, i16::MIN), |(a, b), one| (a.min(one), b.max(one)));
         torque.clamp(least, greatest)
     }
 
@@ -64,9 +65,9 @@ impl Follower {
 
     /// A torque while the command changes steadily.
     fn take_delay(&mut self, torque: i16, is_rising: bool) {
-        let told = self.told[(self.next + self.told.len() - 1) % self.told.len()];
+        let commanded = self.commanded[(self.next + self.commanded.len() - 1) % self.commanded.len()];
         let (sum, terms) = &mut self.behind[usize::from(is_rising)];
-        (*sum, *terms) = (*sum + f64::from(told) - f64::from(torque), *terms + 1.0);
+        (*sum, *terms) = (*sum + f64::from(commanded) - f64::from(torque), *terms + 1.0);
     }
 
     /// Cycles between a command and the torque, if commands rose and fell by `slope` (‰ a cycle). What the torque is always off by cancels.
@@ -106,14 +107,14 @@ impl Bridge {
                 self.followers[i].take_delay(torque, is_rising);
             }
             let (cable, winch) = (i + 1, self.config.drives[i].winch);
-            let told = self.followers[i].nearest(torque, window);
+            let commanded = self.followers[i].nearest(torque, window);
             let newtons = |torque: i16| winch.tension(torque);
             // Both are whole per mille.
-            let is_off = (newtons(torque) - newtons(told)).abs() > limits.torque_error;
+            let is_off = (newtons(torque) - newtons(commanded)).abs() > limits.torque_error;
             // On the stand nothing hangs on it, and what is late is measured.
             let is_on_stand = matches!(self.mode, Mode::TakingUpSlack { .. });
-            if is_off && torque.abs_diff(told) > 1 && !is_on_stand {
-                let (actual, commanded) = (newtons(torque), newtons(told));
+            if is_off && torque.abs_diff(commanded) > 1 && !is_on_stand {
+                let (actual, commanded) = (newtons(torque), newtons(commanded));
                 self.raise(Fault::TorqueNotFollowed { cable, actual, commanded });
             }
             let bits = self.followers[i].odd_bits(status);
@@ -169,7 +170,7 @@ mod tests {
     #[test]
     fn what_was_told_of_late_may_be_followed_and_what_is_older_not() {
         let mut follower = Follower::new();
-        (0..200).for_each(|k| follower.tell(10 * k));
+        (0..200).for_each(|k| follower.command(10 * k));
         assert_eq!(follower.nearest(1990, 5), 1990);
         assert_eq!(follower.nearest(1952, 5), 1952);
         assert_eq!(follower.nearest(1900, 5), 1950, "the oldest of five");
@@ -179,11 +180,11 @@ mod tests {
     fn a_delay_is_measured_whatever_the_torque_is_always_off_by() {
         let mut follower = Follower::new();
         for k in 0..100i16 {
-            follower.tell(2 * k);
+            follower.command(2 * k);
             follower.take_delay(2 * (k - 3) + 9, true);
         }
         for k in 0..100i16 {
-            follower.tell(200 - 2 * k);
+            follower.command(200 - 2 * k);
             follower.take_delay(200 - 2 * (k - 3) + 9, false);
         }
         assert_eq!(follower.delay(2.0), Some(3.0));

@@ -71,7 +71,7 @@ impl Bridge {
             self.config.drives[i].winch.target_torque(tension)
         });
         self.commanded = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
-        self.followers.iter_mut().zip(&torque).for_each(|(follower, torque)| follower.tell(*torque));
+        self.followers.iter_mut().zip(&torque).for_each(|(follower, torque)| follower.command(*torque));
         if !self.has_spoken {
             return torque;
         }
