@@ -21,6 +21,8 @@ pub(super) struct Follower {
     shown: u16,
     /// Cycles in a row in which a bit was not as it should be.
     odd: u32,
+    /// Its mode of operation, as it was shown last.
+    mode: Option<i8>,
     /// How far its torque was behind the command, away from zero, while that rose and while it fell: sums (‰) and their terms.
     behind: [(f64, f64); 2],
 }
@@ -36,6 +38,7 @@ impl Follower {
             arrived: None,
             shown: 0,
             odd: 0,
+            mode: None,
             behind: [(0.0, 0.0); 2],
         }
     }
@@ -56,6 +59,16 @@ impl Follower {
             .map(|k| self.commanded[(self.next + self.commanded.len() - k) % self.commanded.len()]);
         let (least, greatest) = of_late.fold((i16::MAX, i16::MIN), |(a, b), one| (a.min(one), b.max(one)));
         torque.clamp(least, greatest)
+    }
+
+    /// Whether it is in the mode in which it follows torques.
+    pub fn shows_mode(&self) -> bool {
+        self.mode == Some(CYCLIC_TORQUE as i8)
+    }
+
+    /// What it shows in place of that.
+    pub fn mode(&self) -> i8 {
+        self.mode.unwrap_or(0)
     }
 
     /// Begins to measure how far its torque is behind.
@@ -140,10 +153,13 @@ impl Bridge {
 
     /// Asks one drive after the other, one a heartbeat, for its mode: that is not in the frames of a cycle.
     pub(super) fn ask_for_mode(&mut self, out: &mut FrameQueue) {
-        if !self.is_pulling() || self.time < self.mode_question.due {
+        let awaits_drives = matches!(self.mode, Mode::TakingUpSlack { step: None, .. });
+        if !(awaits_drives || self.is_pulling()) || self.time < self.mode_question.due {
             return;
         }
-        let cable = self.mode_question.cable % self.cables();
+        // Some drives show it only once they are enabled.
+        let hidden = (0..self.cables()).find(|i| !self.followers[*i].shows_mode());
+        let cable = hidden.unwrap_or(self.mode_question.cable % self.cables());
         let drive = &self.config.drives[cable];
         out.push(drive.bus, SdoRequest::Read(MODE_DISPLAY).frame(drive.node));
         self.mode_question = ModeQuestion { cable: cable + 1, due: self.time + self.config.heartbeat.period };
@@ -156,8 +172,10 @@ impl Bridge {
             SdoResult::Unsized([mode, ..]) => mode as i8,
             SdoResult::Written | SdoResult::Aborted(_) => return,
         };
-        let is_drive = self.config.drives.iter().any(|drive| drive.node == node);
-        if is_drive && response.object == MODE_DISPLAY && self.is_pulling() && found != CYCLIC_TORQUE as i8 {
+        let drive = self.config.drives.iter().position(|drive| drive.node == node);
+        let Some(i) = drive.filter(|_| response.object == MODE_DISPLAY) else { return };
+        self.followers[i].mode = Some(found);
+        if self.is_pulling() && !self.followers[i].shows_mode() {
             self.raise(Fault::ModeLeft { node, found });
         }
     }

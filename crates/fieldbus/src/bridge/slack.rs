@@ -81,15 +81,20 @@ impl Bridge {
     }
 
     fn await_drives(&mut self, since: Nanoseconds) {
-        let waiting =
-            (0..self.cables()).find(|i| self.drives[*i].state != Some(DriveState::OperationEnabled));
+        let is_enabled = |i: usize| self.drives[i].state == Some(DriveState::OperationEnabled);
+        let waiting = (0..self.cables()).find(|i| !is_enabled(*i) || !self.followers[*i].shows_mode());
         match waiting {
             None => {
                 let step = Some(SlackStep { begun: self.time, ..SlackStep::default() });
                 self.mode = Mode::TakingUpSlack { since, step };
             }
             Some(i) if self.time.saturating_sub(since) > self.config.timeouts.drive => {
-                self.fail_drive_stuck(i)
+                if is_enabled(i) {
+                    let (node, found) = (self.config.drives[i].node, self.followers[i].mode());
+                    self.fail(Fault::ModeRefused { node, found });
+                } else {
+                    self.fail_drive_stuck(i);
+                }
             }
             Some(_) => {}
         }

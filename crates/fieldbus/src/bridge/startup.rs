@@ -14,8 +14,12 @@ use crate::cia402::{
 use crate::config::{Action, Config, Setting, Timeouts};
 use crate::frame::Frame;
 
+const DEVICE_TYPE: Object = Object::new(0x1000, 0);
+
 /// How often an unanswered question is asked.
 const TRIES: u32 = 3;
+/// Boot-up messages of a node while it is set up: some say it twice, after the reset and when their application is up. More are a fault.
+const MOST_BOOTS: u32 = 3;
 
 /// What is done with one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +63,7 @@ pub(super) struct Startup {
     /// When the question that is open was asked, and how often.
     asked: Option<Nanoseconds>,
     tries: u32,
+    boots: u32,
     /// When the phase began, or the first reading of what is awaited.
     since: Nanoseconds,
 }
@@ -68,8 +73,7 @@ impl Startup {
     pub fn drive(config: &Config, cable: usize) -> Self {
         let drive = &config.drives[cable];
         let watchdog = milliseconds(config.heartbeat.drive_watchdog);
-        let mut script =
-            vec![Step { mask: 0xFFFF, ..check(Object::new(0x1000, 0), Value::u32(DRIVE_PROFILE.into())) }];
+        let mut script = vec![Step { mask: 0xFFFF, ..check(DEVICE_TYPE, Value::u32(DRIVE_PROFILE.into())) }];
         script.push(write(object::consume_heartbeat(config.node, watchdog)));
         script.push(write(object::produce_heartbeat(milliseconds(config.heartbeat.period))));
         let receive = torque_mapping(config, cable);
@@ -82,7 +86,8 @@ impl Startup {
         let id = TPDO1 + u16::from(drive.node);
         script.extend(object::map_pdo(Direction::Transmit, id, &transmit).into_iter().map(write));
         script.push(write((MAX_TORQUE, Value::u16(drive.winch.permille_limit()))));
-        script.extend(config.drive_objects.iter().map(setting));
+        let own = config.drive_objects.iter().filter(|setting| setting.is_of(drive.node));
+        script.extend(own.map(setting));
         script.push(write((MODE, Value::u8(CYCLIC_TORQUE))));
         script.push(Step { kind: Kind::Await, ..check(MODE_DISPLAY, Value::u8(CYCLIC_TORQUE)) });
         Self::new(drive.node, script)
@@ -95,7 +100,8 @@ impl Startup {
         let mut script = vec![write(object::produce_heartbeat(milliseconds(config.heartbeat.period)))];
         let id = TPDO1 + u16::from(node);
         script.extend(object::map_pdo(Direction::Transmit, id, &entries).into_iter().map(write));
-        script.extend(config.load_cell_objects.iter().map(setting));
+        let own = config.load_cell_objects.iter().filter(|setting| setting.is_of(node));
+        script.extend(own.map(setting));
         Self::new(node, script)
     }
 
@@ -114,13 +120,13 @@ impl Startup {
     }
 
     fn new(node: Node, script: Vec<Step>) -> Self {
-        Self { node, script, phase: Phase::Booting, at: 0, asked: None, tries: 0, since: 0 }
+        Self { node, script, phase: Phase::Booting, at: 0, asked: None, tries: 0, boots: 0, since: 0 }
     }
 
     /// From the beginning.
     pub fn restart(&mut self, now: Nanoseconds) {
         self.enter(Phase::Booting, now);
-        self.at = 0;
+        (self.at, self.boots) = (0, 0);
     }
 
     /// Operational, as set up.
@@ -142,7 +148,8 @@ impl Startup {
         }
     }
 
-    /// A command whose effect is seen in a heartbeat; given again at each third of the time allowed.
+    /// A command whose effect is seen in a heartbeat. At each third of the time allowed a start is given again. A reset is not, which would keep a node that boots
+    /// slowly from ever ending: a question is asked, and who can answer does not boot.
     fn command(
         &mut self,
         command: NmtCommand,
@@ -156,10 +163,15 @@ impl Startup {
                 _ => Fault::NoBoot { node },
             });
         }
-        let again = self.asked.is_none_or(|asked| now.saturating_sub(asked) > timeouts.boot / 3);
-        Ok(again.then(|| {
-            self.asked = Some(now);
+        let is_first = self.asked.is_none();
+        if self.asked.is_some_and(|asked| now.saturating_sub(asked) <= timeouts.boot / 3) {
+            return Ok(None);
+        }
+        self.asked = Some(now);
+        Ok(Some(if is_first || command == NmtCommand::Start {
             command.frame(Some(self.node))
+        } else {
+            SdoRequest::Read(DEVICE_TYPE).frame(self.node)
         }))
     }
 
@@ -186,7 +198,10 @@ impl Startup {
     /// Takes in a heartbeat.
     pub fn on_heartbeat(&mut self, state: NmtState, now: Nanoseconds) -> Result<(), Fault> {
         match (self.phase, state) {
-            (Phase::Booting, NmtState::BootUp) if self.asked.is_some() => {
+            // Before it was reset.
+            (Phase::Booting, NmtState::BootUp) if self.asked.is_none() => Ok(()),
+            (_, NmtState::BootUp) if self.boots < MOST_BOOTS => {
+                (self.at, self.boots) = (0, self.boots + 1);
                 self.begin_step(now);
                 Ok(())
             }
@@ -216,6 +231,11 @@ impl Startup {
         now: Nanoseconds,
         timeouts: &Timeouts,
     ) -> Result<(), Fault> {
+        if self.phase == Phase::Booting {
+            // It was not reset, or its boot-up message was lost.
+            self.asked = None;
+            return Ok(());
+        }
         let Some(step) = self.script.get(self.at).copied() else { return Ok(()) };
         if self.asked.is_none() || response.object != step.object {
             return Ok(());
@@ -257,6 +277,12 @@ impl Startup {
         match step.kind {
             Kind::Await if now.saturating_sub(self.since) <= timeouts.drive => {
                 (self.asked, self.tries) = (None, 0);
+                Ok(())
+            }
+            // Some drives show their mode only once they are enabled; then it is asked for again.
+            Kind::Await if found == 0 => {
+                self.at += 1;
+                self.begin_step(now);
                 Ok(())
             }
             Kind::Await => Err(Fault::ModeRefused { node: self.node, found: found as i8 }),
@@ -444,14 +470,28 @@ mod tests {
     }
 
     #[test]
-    fn a_node_that_never_boots_or_boots_twice_is_a_fault() {
+    fn a_node_that_never_boots_or_boots_again_and_again_is_a_fault() {
         let (mut startup, timeouts) = startup();
         let fault = (0..).find_map(|k| startup.next(k * 100 * MS, &timeouts).err()).unwrap();
         assert_eq!(fault, Fault::NoBoot { node: 1 });
         startup.restart(0);
-        startup.on_heartbeat(NmtState::BootUp, 0).unwrap();
         startup.next(0, &timeouts).unwrap();
-        startup.on_heartbeat(NmtState::BootUp, 0).unwrap();
-        assert_eq!(startup.on_heartbeat(NmtState::BootUp, 1), Err(Fault::Rebooted { node: 1 }));
+        for k in 0..MOST_BOOTS {
+            assert_eq!(startup.on_heartbeat(NmtState::BootUp, k.into()), Ok(()));
+            startup.next(1, &timeouts).unwrap();
+        }
+        assert_eq!(startup.on_heartbeat(NmtState::BootUp, 9), Err(Fault::Rebooted { node: 1 }));
+    }
+
+    #[test]
+    fn a_node_is_reset_again_only_if_it_can_answer() {
+        let (mut startup, timeouts) = startup();
+        let sent = |startup: &mut Startup, now| NmtCommand::parse(&startup.next(now, &timeouts).unwrap()?);
+        assert!(sent(&mut startup, 0).is_some());
+        assert_eq!(sent(&mut startup, timeouts.boot / 2), None, "a question");
+        assert_eq!(sent(&mut startup, timeouts.boot / 2 + 1), None);
+        let result = SdoResult::Value(Value::u32(0));
+        startup.on_response(&SdoResponse { object: DEVICE_TYPE, result }, 0, &timeouts).unwrap();
+        assert!(sent(&mut startup, timeouts.boot / 2 + 2).is_some());
     }
 }

@@ -38,7 +38,7 @@ impl SimulatedCells {
         let readings = cells
             .iter()
             .map(|(_, cell, _)| (cell.object, Value { bits: 0, width: cell.encoding.width() }, false));
-        let settings = config.load_cell_objects.iter().map(|setting| {
+        let settings = config.load_cell_objects.iter().filter(|setting| setting.is_of(node)).map(|setting| {
             let is_writable = setting.action == Action::Write;
             let bits = if is_writable { 0 } else { setting.value.bits };
             (setting.object, Value { bits, ..setting.value }, is_writable)

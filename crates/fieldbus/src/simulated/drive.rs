@@ -26,6 +26,8 @@ const VOLTAGE: u16 = 0x0010;
 pub struct DriveFaults {
     /// 0x6061 never shows what 0x6060 asks for.
     pub refuses_mode: bool,
+    /// 0x6061 shows 0 until the drive is in Operation enabled.
+    pub hides_mode: bool,
     /// The encoder's value stays what it is.
     pub is_encoder_frozen: bool,
     /// The encoder's value is off by so many counts.
@@ -80,7 +82,7 @@ impl SimulatedDrive {
             (MAX_TORQUE, Value::u16(1000), true),
             (TORQUE, Value::u16(0), false),
         ];
-        for setting in &config.drive_objects {
+        for setting in config.drive_objects.iter().filter(|setting| setting.is_of(drive.node)) {
             let is_writable = setting.action == Action::Write;
             let bits = if is_writable { 0 } else { setting.value.bits };
             objects.push((setting.object, Value { bits, ..setting.value }, is_writable));
@@ -180,7 +182,7 @@ impl SimulatedDrive {
         match self.node.on_frame(frame, now, out) {
             Some(Task::Receive(frame)) => self.receive(&frame),
             Some(Task::Sync) => self.synchronise(now, out),
-            Some(Task::Written(MODE, mode)) if !self.faults.refuses_mode => {
+            Some(Task::Written(MODE, mode)) if !self.faults.refuses_mode && !self.faults.hides_mode => {
                 self.node.set(MODE_DISPLAY, mode.bits)
             }
             Some(Task::Reset) => self.forget(),
@@ -210,6 +212,10 @@ impl SimulatedDrive {
                 self.target = target;
             }
             self.commanded = now;
+        }
+        if self.faults.hides_mode {
+            let is_enabled = self.state == DriveState::OperationEnabled;
+            self.node.set(MODE_DISPLAY, if is_enabled { self.node.get(MODE) } else { 0 });
         }
         self.node.set(STATUS_WORD, self.status().into());
         self.node.set(POSITION, self.counts as u32);

@@ -19,6 +19,9 @@ mend                           the link is well again
 drive N emcy 0x2310            goes into Fault, with this emergency message
 drive N fault                  goes into Fault, without a message
 drive N reboot                 starts again by itself
+drive N boots-late 4000         boots so many ms later
+drive N boots-twice            says twice that it has
+drive N hides-mode             shows its mode in Operation enabled only
 drive N stopped                somebody sends it NMT stop
 drive N silent                 sends no process data
 drive N no-heartbeat           sends no heartbeat
@@ -73,6 +76,9 @@ pub enum DriveMishap {
     Emergency(u16),
     Fault,
     Reboot,
+    BootsLate(Nanoseconds),
+    BootsTwice,
+    HidesMode,
     Stopped,
     Silent,
     NoHeartbeat,
@@ -150,6 +156,9 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["emcy", code] => DriveMishap::Emergency(hexadecimal(code)?.try_into().ok()?),
         ["fault"] => DriveMishap::Fault,
         ["reboot"] => DriveMishap::Reboot,
+        ["boots-late", time] => DriveMishap::BootsLate((milli(time)? * 1e9) as Nanoseconds),
+        ["boots-twice"] => DriveMishap::BootsTwice,
+        ["hides-mode"] => DriveMishap::HidesMode,
         ["stopped"] => DriveMishap::Stopped,
         ["silent"] => DriveMishap::Silent,
         ["no-heartbeat"] => DriveMishap::NoHeartbeat,
@@ -291,6 +300,9 @@ impl SimulatedRig {
             }
             DriveMishap::Fault => drive.fail(0, &mut vec![]),
             DriveMishap::Reboot => drive.reboot(now),
+            DriveMishap::BootsLate(time) => drive.node.faults.slow = time,
+            DriveMishap::BootsTwice => drive.node.faults.boots_twice = true,
+            DriveMishap::HidesMode => drive.faults.hides_mode = true,
             DriveMishap::Stopped => {
                 let stop = NmtCommand::Stop.frame(Some(drive.node.address()));
                 drive.on_frame(&stop, now, &mut vec![]);

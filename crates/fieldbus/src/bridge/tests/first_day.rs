@@ -312,3 +312,25 @@ fn after_a_fault_the_pose_is_the_measured_one_or_none() {
         assert!((seen.position() - is.position()).norm() < 2e-3, "{seen:?} {is:?}");
     }
 }
+
+/// It was reset again after a third of its time, and never ended; a second boot-up message was a fault; a mode that is shown when it counts, too.
+#[test]
+fn healthy_drives_that_boot_slowly_or_twice_or_show_their_mode_late_are_led_up() {
+    for words in ["drive 2 boots-late 8000", "drive 3 boots-twice", "drive 4 hides-mode"] {
+        let mut bench = as_said();
+        bench.suffer(words).unwrap();
+        assert!(bench.start(), "{words}: {:?}", bench.bridge.fault);
+    }
+}
+
+#[test]
+fn a_mode_that_is_never_shown_is_refused_before_any_torque() {
+    let mut bench = as_said();
+    bench.suffer("drive 4 refuses-mode").unwrap();
+    assert!(bench.run_until(State::Homing, 20.0));
+    bench.run(0.1);
+    while bench.bridge.operator(OperatorCommand::Home, bench.now).is_ok() {
+        assert!(bench.cycle().target_torque.iter().all(|torque| *torque == 0));
+    }
+    assert_eq!(bench.bridge.fault, Some(Fault::ModeRefused { node: 4, found: 0 }));
+}

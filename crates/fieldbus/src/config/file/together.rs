@@ -21,6 +21,7 @@ pub(super) fn check(check: &Checked, file: &File, config: &Config) -> Result<(),
     buses_are_different(check, file)?;
     readings_are_different(check, file, config)?;
     objects_are_not_our_own(check, file, config)?;
+    objects_are_of_known_nodes(check, file, config)?;
     motors_are_strong_enough(check, file, config)?;
     home_is_held(check, file, config)?;
     pretension_is_seen(check, file, config)?;
@@ -126,6 +127,27 @@ fn objects_are_not_our_own(check: &Checked, file: &File, config: &Config) -> Res
         if OWN_INDICES.contains(&object.index) || OWN_OBJECTS.contains(&object) {
             let allowed = "the bridge sets this object itself";
             return Err(check.refuse(entry.index.span().start, "object", object, allowed));
+        }
+    }
+    Ok(())
+}
+
+fn objects_are_of_known_nodes(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
+    let drives = config.drives.iter().map(|drive| drive.node).collect();
+    let cells = config.load_cells.iter().map(|cell| cell.node).collect();
+    let tables: [(_, Vec<Node>, _); 2] =
+        [(&file.drive_objects, drives, "drive"), (&file.load_cell_objects, cells, "load cell")];
+    for (entries, nodes, kind) in tables {
+        for (k, entry) in entries.iter().enumerate() {
+            if let Some(named) = entry
+                .node
+                .as_ref()
+                .filter(|named| !nodes.iter().any(|node| u32::from(*node) == *named.get_ref()))
+            {
+                let field = format!("{}_objects[{}].node", kind.replace(' ', "_"), k + 1);
+                let allowed = format!("must be the node of a {kind}, or be left out for all of them");
+                return Err(check.refuse(named.span().start, &field, named.get_ref(), allowed));
+            }
         }
     }
     Ok(())
