@@ -7,6 +7,7 @@
 //! - [`machine_rows`]: the same on the CAN of a real kernel, in a virtual machine (left out without `--include-ignored`).
 #![cfg(target_os = "linux")]
 
+mod failures;
 mod lab;
 #[path = "../virtual_machine/machine.rs"]
 mod machine;
