@@ -254,10 +254,11 @@ def test_a_drive_that_aborts_a_setting_stops_the_start(lab, session):
     assert session.end() == EXIT_FAULT
 
 
-def test_a_drive_that_stays_in_its_mode_stops_the_start(lab, session):
+def test_a_drive_that_stays_in_its_mode_is_refused_before_any_torque(lab, session):
     lab.drives[4].is_stubborn = True
     session = session()
-    fault = session.wait_for("Fault")["fault"]
+    # Some drives show their mode only once they are enabled.
+    fault = session.wait_for("Fault", again="home")["fault"]
     assert "5" in fault and "mode" in fault, fault
     assert lab.drives[4].value(0x6060) == CYCLIC_SYNCHRONOUS_TORQUE and lab.drives[4].value(0x6061) == 0
     assert all(drive.pull() == 0.0 for drive in lab.drives)
