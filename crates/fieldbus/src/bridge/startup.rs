@@ -215,6 +215,11 @@ impl Startup {
         }
     }
 
+    fn next_step(&mut self, now: Nanoseconds) {
+        self.at += 1;
+        self.begin_step(now);
+    }
+
     fn begin_step(&mut self, now: Nanoseconds) {
         let phase = match self.script.get(self.at).map(|step| step.kind) {
             None => Phase::Starting,
@@ -242,8 +247,7 @@ impl Startup {
         }
         match (self.phase, response.result) {
             (Phase::Writing, SdoResult::Aborted(_)) if step.kind == Kind::Offer => {
-                self.at += 1;
-                self.begin_step(now);
+                self.next_step(now);
                 Ok(())
             }
             (Phase::Writing | Phase::Reading, SdoResult::Aborted(code)) => {
@@ -270,8 +274,7 @@ impl Startup {
     ) -> Result<(), Fault> {
         let expected = step.value.bits;
         if (found ^ expected) & step.mask == 0 {
-            self.at += 1;
-            self.begin_step(now);
+            self.next_step(now);
             return Ok(());
         }
         match step.kind {
@@ -281,8 +284,7 @@ impl Startup {
             }
             // Some drives show their mode only once they are enabled; then it is asked for again.
             Kind::Await if found == 0 => {
-                self.at += 1;
-                self.begin_step(now);
+                self.next_step(now);
                 Ok(())
             }
             Kind::Await => Err(Fault::ModeRefused { node: self.node, found: found as i8 }),
