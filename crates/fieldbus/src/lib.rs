@@ -8,6 +8,7 @@
 //! | [`canopen`], [`cia402`] | what frames mean: CiA 301, and drives |
 //! | [`load_cell`] | how makers write a force |
 //! | [`config`] | the fieldbus file |
+//! | [`commission`] | whether the rig is what its files say |
 //! | [`files`] | it and the rig file that it names, on disk |
 //! | [`bus_load`] | what fits on a bus |
 //! | [`export`] | the bus as a DBC file, for bench tools |
@@ -21,6 +22,7 @@ pub mod bus_load;
 pub mod candump;
 pub mod canopen;
 pub mod cia402;
+pub mod commission;
 pub mod config;
 pub mod controller;
 pub mod export;

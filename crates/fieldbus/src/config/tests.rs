@@ -14,6 +14,12 @@ pub fn parse(text: &str) -> Result<Config, ConfigError> {
     Config::parse(text, &RigFile::parse(LAB).unwrap())
 }
 
+/// The example with eight cables.
+pub fn eight() -> Config {
+    let rig = RigFile::parse(include_str!("../../../../rigs/eight.toml")).unwrap();
+    Config::parse(include_str!("../../../../rigs/can/eight.toml"), &rig).unwrap()
+}
+
 /// What is said of the example with one text replaced by another.
 fn refusal(from: &str, to: &str) -> String {
     assert!(AKD.contains(from), "{from}");

@@ -4,15 +4,13 @@ use super::*;
 use cable_robot::robot::RigFile;
 
 fn eight() -> Bench {
-    let rig = RigFile::parse(include_str!("../../../../../rigs/eight.toml")).unwrap();
-    let config = Config::parse(include_str!("../../../../../rigs/can/eight.toml"), &rig).unwrap();
     let imperfections = PlantParameters {
         friction: 0.5,
         motor_lag: 2e-3,
         load_cell_noise: 0.1,
         ..PlantParameters::default()
     };
-    Bench::new(config, imperfections).unwrap()
+    Bench::new(crate::config::tests::eight(), imperfections).unwrap()
 }
 
 #[test]
