@@ -12,6 +12,7 @@ mod quiet;
 mod slack;
 mod startup;
 mod state;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod watch;
@@ -161,6 +162,8 @@ pub struct Bridge {
     is_running: bool,
     is_resetting_drives: bool,
     is_shutting_down: bool,
+    /// Whether poses are measured with cables under pretension, and the controller is never enabled.
+    is_survey: bool,
     /// Whether the operator let go since the controller was last enabled.
     is_released: bool,
     /// When home was last given, and whether it came too late, so that it must be released first.
@@ -214,6 +217,7 @@ impl Bridge {
             is_running: false,
             is_resetting_drives: false,
             is_shutting_down: false,
+            is_survey: false,
             is_released: true,
             home_given: 0,
             is_home_stale: false,
@@ -229,6 +233,12 @@ impl Bridge {
     /// would do. The platform is taken to be at the home pose when everything was heard for the first time.
     pub fn shadow(config: Config) -> Self {
         Self { mode: Mode::Shadow { is_homed: false }, ..Self::new(config) }
+    }
+
+    /// Goes as far as Ready. There a person puts the platform at poses measured in the base frame; what lengths say of its pose is not judged,
+    /// since whether the files are right is what is to be found out.
+    pub fn survey(config: Config) -> Self {
+        Self { is_survey: true, ..Self::new(config) }
     }
 
     /// What it was made from.
@@ -420,10 +430,11 @@ impl Bridge {
     }
 
     fn asks_the_controller(&self) -> bool {
-        matches!(
-            self.mode,
-            Mode::Ready | Mode::Enabled { .. } | Mode::Safe(_) | Mode::Shadow { is_homed: true }
-        )
+        !self.is_survey
+            && matches!(
+                self.mode,
+                Mode::Ready | Mode::Enabled { .. } | Mode::Safe(_) | Mode::Shadow { is_homed: true }
+            )
     }
 
     fn advance_clock(&mut self, now: Nanoseconds) {

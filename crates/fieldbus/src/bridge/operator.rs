@@ -42,6 +42,10 @@ impl Bridge {
             (OperatorCommand::Enable, Mode::Enabled { since, from, lifted, .. }) => {
                 self.mode = Mode::Enabled { since, from, lifted, confirmed: now };
             }
+            (OperatorCommand::Placed(pose), Mode::Ready) if self.is_survey => return self.note_placing(pose),
+            (OperatorCommand::Enable, Mode::Ready | Mode::Safe(Some(_))) if self.is_survey => {
+                return Err(refusal);
+            }
             (OperatorCommand::Enable, Mode::Ready | Mode::Safe(Some(_))) if self.is_released => {
                 return self.enable(now);
             }

@@ -54,6 +54,8 @@ pub enum OperatorCommand {
     Release,
     /// Where the platform shall go; in Enabled and Shadow only. What is enabled anew stays where it is.
     Goal(Pose),
+    /// A person has put the platform on blocks at this pose, measured in the base frame; in Ready, while poses are surveyed.
+    Placed(Pose),
     /// From Homing to Ready, Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
     Reset,
     /// To the safe output, then off.
@@ -85,6 +87,14 @@ pub enum Refusal {
         /// m.
         at: f64,
     },
+    /// The platform is not at rest.
+    #[error("cable {cable} moves at {speed:.3} m/s: the platform must be at rest")]
+    Moving {
+        /// From 1.
+        cable: usize,
+        /// m/s.
+        speed: f64,
+    },
     /// Something is missing.
     #[error("not yet: {0}")]
     NotYet(Fault),
@@ -114,6 +124,8 @@ pub enum Event {
     LetGo(Cause),
     /// A fault, also one that came after the first.
     Fault(Fault),
+    /// The platform was placed at a pose, and each cable read so much longer than at home, m.
+    Placed(Pose, PerCable<f64>),
     /// A node's emergency message, also one that says that an error is gone.
     Emergency(Emergency),
     /// So many emergency messages came at once that these were lost.

@@ -15,7 +15,8 @@ impl Bridge {
         // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
         let has_torque = self.is_pulling();
         let takes_up_slack = matches!(self.mode, Mode::TakingUpSlack { .. });
-        if !has_torque || takes_up_slack {
+        // Nor while a person puts the platform down, who stops it at once.
+        if !has_torque || takes_up_slack || self.is_survey {
             limits.freeze_speed = f64::INFINITY;
         }
         let is_first_pull =
@@ -44,7 +45,7 @@ impl Bridge {
             }
         }
         if has_torque {
-            let frozen = self.compare_encoders(is_compared);
+            let frozen = self.compare_encoders(is_compared && !self.is_survey);
             self.expect(frozen);
         }
         self.no_room = if self.had_no_room { self.no_room + 1 } else { 0 };
@@ -105,7 +106,7 @@ impl Bridge {
         let is_followed = match self.mode {
             Mode::TakingUpSlack { .. } => false,
             Mode::Shadow { is_homed } => is_homed,
-            _ => self.is_pulling(),
+            _ => self.is_pulling() && !self.is_survey,
         };
         self.measured_pose = None;
         let limits = self.config.limits;

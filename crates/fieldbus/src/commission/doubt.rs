@@ -6,7 +6,7 @@ use cable_robot::robot::{PerCable, Pose};
 
 use super::{Mistake, Quantity, World};
 
-/// A quantity off by so large a share is to be found: home by this share of the rig's radius, and turned by as many radians.
+/// A quantity off by so large a share of [`Quantity::size`] is to be found.
 const SHARE: f64 = 0.05;
 
 /// Something that may be wrong, and by how much it is to be wrong to be looked for.
@@ -22,16 +22,13 @@ impl Doubt {
     /// All mistakes, and the quantities of the rig as a whole and of its winches. Those of single anchors and attachments are not looked for.
     pub fn all(file: &World) -> Vec<Self> {
         let cables = file.scale.len();
-        let of_quantity = |quantity| {
-            let amount = match quantity {
-                Quantity::Home(_) => SHARE * file.rig.radius(),
-                Quantity::HomeTurn(_) | Quantity::Winding(_) | Quantity::Base | Quantity::Platform => SHARE,
-                Quantity::Anchor(..) | Quantity::Attachment(..) => return None,
-            };
-            Some(Self::Quantity(quantity, amount))
-        };
+        let is_looked_for =
+            |quantity: &Quantity| !matches!(quantity, Quantity::Anchor(..) | Quantity::Attachment(..));
+        let quantities = Quantity::all(cables).into_iter().filter(is_looked_for);
         let mistakes = Mistake::all(cables).into_iter().map(Self::Mistake);
-        mistakes.chain(Quantity::all(cables).into_iter().filter_map(of_quantity)).collect()
+        mistakes
+            .chain(quantities.map(|quantity| Self::Quantity(quantity, SHARE * quantity.size(file))))
+            .collect()
     }
 
     /// How much longer the bridge reads each cable at a pose than it would if `file` were the truth, m.
@@ -39,7 +36,7 @@ impl Doubt {
         match self {
             Self::Mistake(mistake) => mistake.truth(file).deviation(file, pose),
             Self::Quantity(quantity, amount) => {
-                let change = quantity.change(file, pose);
+                let change = quantity.change(file, 0.0, pose);
                 PerCable::from_fn(change.len(), |i| amount * change[i])
             }
         }

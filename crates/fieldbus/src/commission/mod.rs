@@ -2,6 +2,8 @@
 //! tells a wrong file. Poses measured in the base's frame do (docs/commissioning.md).
 
 mod doubt;
+#[cfg(test)]
+mod first_day;
 mod mistake;
 mod poses;
 mod quantity;

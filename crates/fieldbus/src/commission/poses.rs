@@ -70,7 +70,9 @@ fn choose(config: &Config, file: &World, accuracy: &Accuracy, reach: f64) -> (Ve
     let (mut chosen, mut cleared) = (vec![], 0.0);
     while chosen.len() < MOST {
         let with = |look| cleared_by(&[&chosen[..], &[look]].concat(), accuracy);
-        let best = candidates.iter().map(|look| (look, with(look))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let left =
+            candidates.iter().filter(|look| chosen.iter().all(|taken: &&Look| taken.pose != look.pose));
+        let best = left.map(|look| (look, with(look))).max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((look, now)) = best.filter(|(_, now)| *now >= cleared + WORTH) else { break };
         chosen.push(look);
         cleared = now;
@@ -116,8 +118,8 @@ fn cleared_by(looks: &[&Look], accuracy: &Accuracy) -> f64 {
     sizes(looks, accuracy).into_iter().map(|size| (size / NEEDED).min(1.0)).map(|share| share * share).sum()
 }
 
-/// Level poses, turned within `limits.tilt`, spread over what is within reach: those where the cables can hold the platform, and their
-/// pretension does not lift it.
+/// Level poses, turned within `limits.tilt`, spread over what is within reach: above the stand, where the cables can hold the
+/// platform and their pretension does not lift it.
 fn candidates(config: &Config, reach: f64) -> Vec<Pose> {
     let step = round_step(config.rig.radius());
     let (space, turn) = (config.limits.space, config.limits.tilt.to_degrees());
@@ -134,7 +136,7 @@ fn candidates(config: &Config, reach: f64) -> Vec<Pose> {
             Pose::from_parts(&position, &Rotation3::from_scaled_axis(up * degrees.to_radians()))
         })
         .filter(|pose| config.rig.can_be_at(pose) && static_margin(&config.rig, pose) > 0.0)
-        .filter(|pose| stays_down(config, pose))
+        .filter(|pose| up.dot(&(pose.position() - home)) >= 0.0 && stays_down(config, pose))
         .collect()
 }
 

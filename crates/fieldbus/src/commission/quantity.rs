@@ -65,12 +65,20 @@ impl Quantity {
         truth
     }
 
-    /// How much longer the bridge reads each cable at a pose for each unit by which the quantity is more than `file` says, to first order.
-    pub fn change(self, file: &World, pose: &Pose) -> PerCable<f64> {
+    /// By how much more the bridge reads each cable at a pose for each unit of the quantity, where it is more than `file` says by `amount`.
+    pub fn change(self, file: &World, amount: f64, pose: &Pose) -> PerCable<f64> {
         // A central difference: what it leaves out is of the order of its square.
         const STEP: f64 = 1e-5;
-        let [more, less] = [STEP, -STEP].map(|amount| self.truth(file, amount).lengthening(pose));
+        let [more, less] = [STEP, -STEP].map(|step| self.truth(file, amount + step).lengthening(pose));
         PerCable::from_fn(more.len(), |i| (more[i] - less[i]) / (2.0 * STEP))
+    }
+
+    /// What its amounts are to be compared with: the rig's radius (m), a radian, or the whole.
+    pub fn size(self, file: &World) -> f64 {
+        match self {
+            Self::Home(_) | Self::Anchor(..) | Self::Attachment(..) => file.rig.radius(),
+            Self::HomeTurn(_) | Self::Winding(_) | Self::Base | Self::Platform => 1.0,
+        }
     }
 
     /// The unit of its amounts, and how many of them are one of [`World`]'s.

@@ -19,7 +19,7 @@ fn normal(random: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
 
-fn placed_badly(pose: &Pose, accuracy: &Accuracy, random: &mut Pcg64Mcg) -> Pose {
+pub fn placed_badly(pose: &Pose, accuracy: &Accuracy, random: &mut Pcg64Mcg) -> Pose {
     let mut draw = |size: f64| Vector3::from_fn(|_, _| size * normal(random));
     let position = pose.position() + draw(accuracy.position);
     Pose::from_parts(&position, &(Rotation3::from_scaled_axis(draw(accuracy.angle)) * pose.rotation()))

@@ -7,6 +7,12 @@ use cable_robot::robot::{PerCable, Pose};
 use super::survey::{Accuracy, Survey};
 use super::{ALARM, Mistake, Quantity, World};
 
+/// A quantity off by more than this share of [`Quantity::size`] is a whole mistake.
+const LARGEST: f64 = 0.3;
+/// A fit ends at this share of a standard deviation, or fails after so many steps.
+const CLOSE: f64 = 0.01;
+const STEPS: usize = 20;
+
 /// The platform placed at a pose measured in the base frame, and what the bridge read there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
@@ -71,15 +77,14 @@ impl Verdict {
             });
         }
         for quantity in Quantity::all(cables) {
-            let change: Vec<_> = poses.iter().map(|pose| quantity.change(file, pose)).collect();
-            let change = survey.deviation(&change);
-            let (along, size) = (survey.product(&change, &measured), survey.product(&change, &change));
-            let gain = along * along / size;
-            // What is no more than chance among so many is not blamed.
-            if gain > ALARM * ALARM {
-                let explanation =
-                    Explanation::Quantity { quantity, amount: along / size, deviation: size.sqrt().recip() };
-                found.push(Candidate { explanation, misfit: misfit - gain, square: of_file.square - gain });
+            let fitted = fit(quantity, file, placements, &survey);
+            // What is no more than chance among so many is not blamed, nor what is no small amount.
+            let is_small = |fitted: &Fitted| fitted.amount.abs() <= LARGEST * quantity.size(file);
+            let gain = |fitted: &Fitted| of_file.square - fitted.square;
+            if let Some(fitted) = fitted.filter(|fitted| is_small(fitted) && gain(fitted) > ALARM * ALARM) {
+                let Fitted { amount, deviation, square } = fitted;
+                let explanation = Explanation::Quantity { quantity, amount, deviation };
+                found.push(Candidate { explanation, misfit: misfit - gain(&fitted), square });
             }
         }
         found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
@@ -110,6 +115,35 @@ struct Candidate {
     explanation: Explanation,
     misfit: f64,
     square: f64,
+}
+
+/// The amount of a quantity that explains the lengths best.
+struct Fitted {
+    amount: f64,
+    deviation: f64,
+    /// What it leaves: the square of the standard deviations.
+    square: f64,
+}
+
+/// By the method of Gauss and Newton; `None` where it does not end, or lengths make no sense any more.
+fn fit(quantity: Quantity, file: &World, placements: &[Placement], survey: &Survey) -> Option<Fitted> {
+    let mut amount = 0.0;
+    for _ in 0..STEPS {
+        let change: Vec<_> =
+            placements.iter().map(|placement| quantity.change(file, amount, &placement.pose)).collect();
+        let (change, rest) = (
+            survey.deviation(&change),
+            survey.deviation(&against(&quantity.truth(file, amount), placements)),
+        );
+        let size = survey.product(&change, &change);
+        let step = survey.product(&change, &rest) / size;
+        let deviation = size.sqrt().recip();
+        amount += step;
+        if step.abs() < CLOSE * deviation {
+            return Some(Fitted { amount, deviation, square: survey.product(&rest, &rest) });
+        }
+    }
+    None
 }
 
 /// What was read, less what `world` would have read, m.

@@ -65,6 +65,13 @@ impl Bench {
         })
     }
 
+    /// Measures poses instead of moving ([`Bridge::survey`]).
+    #[must_use]
+    pub fn surveying(mut self) -> Self {
+        self.bridge = Bridge::survey(self.bridge.config().clone());
+        self
+    }
+
     /// Of the controller that it starts with.
     pub fn parameters(&self) -> ControllerParameters {
         parameters(self.bridge.config())

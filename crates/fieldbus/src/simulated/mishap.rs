@@ -1,5 +1,6 @@
 //! What goes wrong at the simulated rig, as one writes it: `at 2.0 lose 5%`, `lifted 0.4 cell 4 stuck`.
 
+use cable_robot::robot::Pose;
 use thiserror::Error;
 
 use super::{CellFault, Link, LinkFaults, SimulatedRig};
@@ -39,6 +40,7 @@ drive N refuses 0x6072 0x06090031  to have an object (0x6072, 0x1400:5) written,
 cell N silent                  sends no process data
 cell N dead                    says and hears nothing
 cable N slack 12               mm of it, from now on; a slack cable's winch turns freely
+place 0.1 0.2 0.8 0 0 0.1      a person puts the platform, if it stands, on blocks at this pose (m, rad)
 cell N stuck                   its reading stays what it is
 cell N says 100                N; also nan, inf
 drive N well, cell N well      as before; what has failed stays failed
@@ -67,6 +69,8 @@ pub enum Mishap {
     Cell(usize, CellMishap),
     /// A cable (from 0) has so much slack, m.
     Slack(usize, f64),
+    /// The platform is put on blocks at this pose.
+    Place(Pose),
 }
 
 /// What goes wrong at a drive.
@@ -146,6 +150,7 @@ fn mishap(words: &[&str], cables: usize) -> Option<Mishap> {
         ["mend"] => Mishap::Mend,
         ["drive", number, ref what @ ..] => Mishap::Drive(cable(number)?, drive_mishap(what)?),
         ["cell", number, ref what @ ..] => Mishap::Cell(cable(number)?, cell_mishap(what)?),
+        ["place", ref numbers @ ..] => Mishap::Place(pose(numbers)?),
         ["cable", number, "slack", length] => Mishap::Slack(cable(number)?, milli(length)?),
         _ => return None,
     })
@@ -187,6 +192,14 @@ fn cell_mishap(words: &[&str]) -> Option<CellMishap> {
         ["well"] => CellMishap::Well,
         _ => return None,
     })
+}
+
+/// x y z roll pitch yaw.
+fn pose(words: &[&str]) -> Option<Pose> {
+    let numbers: Vec<f64> =
+        words.iter().filter_map(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).collect();
+    let coordinates: [f64; 6] = numbers.try_into().ok()?;
+    (words.len() == 6).then(|| Pose(coordinates.into()))
 }
 
 /// A number of thousandths.
@@ -281,6 +294,7 @@ impl SimulatedRig {
             Mishap::Drive(cable, what) => self.suffer_at_drive(cable, what, now, out),
             Mishap::Cell(cable, what) => self.suffer_at_cell(cable, what),
             Mishap::Slack(cable, slack) => self.slacken(cable, slack),
+            Mishap::Place(pose) => self.place(pose),
         }
     }
 

@@ -18,7 +18,7 @@ pub use node::{NodeFaults, SimulatedNode};
 use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
-use cable_robot::robot::{Cables, ParameterError, PerCable};
+use cable_robot::robot::{ParameterError, PerCable, Pose};
 use winding::Winding;
 
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
@@ -27,18 +27,36 @@ use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 const LIFTS_AT: f64 = 0.98;
 /// The floor is so far below the home pose, m.
 const FLOOR: f64 = 0.3;
+/// A person moves the platform at this share of the speed that counts as a mistake of an encoder.
+const HAND: f64 = 0.1;
 /// Counts of a motor at the home pose, times its cable's number: they mean nothing, so they are not zero.
 const COUNTS_AT_HOME: i32 = 10_000;
 
 /// What carries the platform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
-    /// Its stand, at the home pose.
+    /// Its stand, at the home pose, or blocks where a person put it.
     Stand,
     /// The cables.
     Cables,
     /// The floor: it fell.
     Floor,
+}
+
+/// From where to where a person puts the platform.
+#[derive(Clone, Copy, Debug)]
+struct Placing {
+    from: Pose,
+    to: Pose,
+    /// Of the way that is done, from 0 to 1, and how much of it each second.
+    share: f64,
+    speed: f64,
+}
+
+impl Placing {
+    fn pose(&self) -> Pose {
+        if self.share < 1.0 { Pose(self.from.0 + self.to.minus(&self.from) * self.share) } else { self.to }
+    }
 }
 
 /// Everything on the buses but the bridge.
@@ -49,11 +67,12 @@ pub struct SimulatedRig {
     /// One a node with load cells.
     pub cells: Vec<SimulatedCells>,
     config: Config,
-    /// At the home pose.
-    at_home: Cables,
+    /// At the home pose, m.
+    home_length: PerCable<f64>,
     plant: Plant,
     windings: Vec<Winding>,
     support: Support,
+    placing: Placing,
     time: Nanoseconds,
     oldest_command: Nanoseconds,
 }
@@ -78,7 +97,8 @@ impl SimulatedRig {
                 .iter()
                 .map(|length| Winding::taut(*length))
                 .collect(),
-            at_home: rig.cables_at(&config.home),
+            home_length: rig.cables_at(&config.home).length,
+            placing: Placing { from: config.home, to: config.home, share: 1.0, speed: 0.0 },
             config,
             plant,
             support: Support::Stand,
@@ -105,6 +125,20 @@ impl SimulatedRig {
     /// Gives a cable (from 0) so much slack, m.
     pub(super) fn slacken(&mut self, cable: usize, slack: f64) {
         self.windings[cable] = Winding::slack(self.plant.outputs().cable_length[cable] + slack);
+    }
+
+    /// A person takes the platform off its stand or its blocks, and puts it on others; nothing if it hangs.
+    pub(super) fn place(&mut self, to: Pose) {
+        if self.support != Support::Stand {
+            return;
+        }
+        let from = self.placing.pose();
+        let way = to.minus(&from);
+        let radius = self.config.rig.platform_radius();
+        let distance =
+            (way.fixed_rows::<3>(0).norm() + radius * way.fixed_rows::<3>(3).norm()).max(f64::MIN_POSITIVE);
+        self.placing =
+            Placing { from, to, share: 0.0, speed: HAND * self.config.limits.cable_speed / distance };
     }
 
     /// The longest that a motor ever pulled without a newer command, until the last [`SimulatedRig::tick`].
@@ -138,7 +172,7 @@ impl SimulatedRig {
         for i in 0..self.drives.len() {
             let (mut sent, at_home) = (vec![], COUNTS_AT_HOME * (i as i32 + 1));
             let winch = self.config.drives[i].winch;
-            self.drives[i].turn_to(winch.counts(self.windings[i].paid_out - self.at_home.length[i], at_home));
+            self.drives[i].turn_to(winch.counts(self.windings[i].paid_out - self.home_length[i], at_home));
             self.drives[i].tick(now, &mut sent);
             self.oldest_command = self.oldest_command.max(self.drives[i].command_age(now));
             out.extend(sent.into_iter().map(|frame| (self.config.drives[i].bus, frame)));
@@ -168,6 +202,7 @@ impl SimulatedRig {
                 self.support = Support::Floor;
             }
         } else if self.support == Support::Stand {
+            self.placing.share = (self.placing.share + h * self.placing.speed).min(1.0);
             self.stand(&inputs);
         }
     }
@@ -178,10 +213,11 @@ impl SimulatedRig {
         way.dot(&self.config.rig.gravity.normalize())
     }
 
-    /// At rest at the home pose, whatever the motors pull, until they carry the weight.
+    /// At rest where it was put, whatever the motors pull, until they carry the weight.
     fn stand(&mut self, inputs: &PlantInputs) {
-        self.plant.stand(inputs);
-        let (rig, (force, _)) = (&self.config.rig, self.at_home.wrench(&inputs.motor_tension));
+        let (rig, at) = (&self.config.rig, self.placing.pose());
+        self.plant.stand(&at, inputs);
+        let (force, _) = rig.cables_at(&at).wrench(&inputs.motor_tension);
         if -force.dot(&rig.gravity.normalize()) >= LIFTS_AT * rig.weight() {
             self.support = Support::Cables;
         }
