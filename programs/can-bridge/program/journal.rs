@@ -2,18 +2,20 @@
 //! nothing but the disk of the recording.
 
 use std::io;
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use cable_robot_fieldbus::bridge::{Cause, Event};
-use cable_robot_fieldbus::{Config, Nanoseconds};
+use cable_robot_fieldbus::{Config, Nanoseconds, State};
 use rtrb::{Consumer, RingBuffer};
 use serde_json::json;
 
 use super::entry::{Entry, Teller};
 use super::record::Recording;
 use super::status::{Status, Stream};
+use super::survey::Survey;
 use super::terminal::{say, show, show_nothing};
 
 /// Entries that wait: more than a second's at any rate that fits on a bus.
@@ -33,9 +35,10 @@ impl Journal {
         recording: Option<Recording>,
         stream: Option<Stream>,
         config: &Config,
+        survey: Option<Arc<Survey>>,
     ) -> Result<(Teller, Self)> {
         let (producer, consumer) = RingBuffer::new(QUEUE);
-        let writer = Writer { status: Status::new(config)?, recording, stream, is_whole: true };
+        let writer = Writer { status: Status::new(config)?, recording, stream, survey, is_whole: true };
         let thread = thread::Builder::new()
             .name("journal".to_owned())
             .spawn(move || writer.run(consumer))
@@ -53,6 +56,7 @@ struct Writer {
     status: Status,
     recording: Option<Recording>,
     stream: Option<Stream>,
+    survey: Option<Arc<Survey>>,
     is_whole: bool,
 }
 
@@ -95,6 +99,16 @@ impl Writer {
         if let Some((time, text)) = message(entry) {
             self.say(time, &text);
         }
+        let guided = match (entry, &self.survey) {
+            (Entry::Event(time, Event::Placed(pose, lengthening)), Some(survey)) => {
+                Some((*time, survey.take(*pose, *lengthening)))
+            }
+            (Entry::Event(time, Event::Entered(State::Ready)), Some(survey)) => Some((*time, survey.next())),
+            _ => None,
+        };
+        if let Some((time, text)) = guided {
+            self.say(time, &text);
+        }
         if let Entry::Lost(count) = entry {
             self.is_whole = false;
             self.say(0, &format!("the queue was full: {count} entries are missing in the recording"));
@@ -130,6 +144,8 @@ impl Writer {
 /// What is to be said of an entry.
 fn message(entry: &Entry) -> Option<(Nanoseconds, String)> {
     match entry {
+        // The survey says it.
+        Entry::Event(_, Event::Placed(..)) => None,
         Entry::Event(time, event) => Some((*time, event_text(event))),
         Entry::Refused(time, refusal) => Some((*time, format!("refused: {refusal}"))),
         Entry::Note(time, text) => Some((*time, (*text).to_owned())),
@@ -146,6 +162,7 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
         Event::LetGo(Cause::EnableExpired) => "home was not given again: the motors are off".to_owned(),
         Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
+        Event::Placed(pose, _) => format!("placed at {:.3?}", pose.0.as_slice()),
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
         Event::Lost(count) => format!("{count} more emergency messages came at once"),

@@ -11,6 +11,7 @@ use cable_robot_fieldbus::bridge::{CycleReport, TransportError};
 use cable_robot_fieldbus::candump::{Line, parse_frame};
 use cable_robot_fieldbus::{Config, Nanoseconds};
 
+use super::Purpose;
 use super::controller::Identity;
 use super::entry::{Cycle, Input, OnBus};
 use super::operator;
@@ -21,8 +22,19 @@ pub const FRAMES: &str = "frames.log";
 pub const INPUTS: &str = "inputs.csv";
 pub const CYCLES: &str = "cycles.csv";
 
-/// What [`INPUTS`] says of a session that sent nothing.
-pub const DRY_RUN: &str = "dry-run";
+/// What [`INPUTS`] says of a session that was no plain run.
+const PURPOSES: [(Purpose, &str); 2] = [(Purpose::DryRun, "dry-run"), (Purpose::Survey, "survey")];
+
+/// Nothing for a plain run.
+pub fn purpose_text(purpose: Purpose) -> Option<&'static str> {
+    PURPOSES.iter().find(|(known, _)| *known == purpose).map(|(_, text)| *text)
+}
+
+/// Reads what [`purpose_text`] wrote.
+pub fn parse_purpose(text: &str) -> Option<Purpose> {
+    PURPOSES.iter().find(|(_, known)| *known == text).map(|(purpose, _)| *purpose)
+}
+
 /// What [`INPUTS`] says first: which controller it was.
 pub fn controller_text(identity: &Identity) -> String {
     format!("{CONTROLLER}{identity}")

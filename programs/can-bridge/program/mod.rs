@@ -16,6 +16,7 @@ mod replay;
 mod session;
 mod signals;
 mod status;
+mod survey;
 mod terminal;
 #[cfg(test)]
 mod tests;
@@ -23,11 +24,12 @@ mod tests;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use cable_robot_fieldbus::bridge::Bridge;
 use cable_robot_fieldbus::transport;
-use cable_robot_fieldbus::{Files, bus_load, export};
+use cable_robot_fieldbus::{Config, Files, bus_load, export};
 use cable_robot_programs::errors;
 use clap::Parser;
 
@@ -35,13 +37,15 @@ use controller::BridgeController;
 use data_sheet::SheetOf;
 use journal::Journal;
 use session::{End, Session};
+use survey::Survey;
 use terminal::say;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 3 the rate does not fit on the bus;
 4 the replay gives other commands than the recording; 5 ended after a fault, or the
 drives do not confirm that they are off; 6 the torque was cut off at once (second
-signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole.
+signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole;
+8 the survey is not whole, or blames the files.
 Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
 
 /// The controller against the drives and load cells of a rig on a CAN bus
@@ -66,6 +70,10 @@ struct Arguments {
     /// Reads and computes beside another controller, and sends nothing
     #[arg(long, conflicts_with = "check")]
     dry_run: bool,
+    /// Measures instead of moving: a person places the platform at poses with errors of these standard deviations (m, rad), and lengths read there say
+    /// whether the files are right; with --check only says which poses, and what they tell
+    #[arg(long, value_name = "POSITION,ANGLE", value_parser = survey::accuracy, conflicts_with_all = ["dry_run", "scenario"])]
+    survey: Option<(f64, f64)>,
     /// Opens this address instead of the bus's name, such as can0=slcan:/dev/ttyACM0; may be given for each bus
     #[arg(long, value_name = "NAME=ADDRESS", value_parser = bus_address)]
     bus: Vec<(String, String)>,
@@ -82,8 +90,26 @@ struct Arguments {
     #[arg(long)]
     no_realtime: bool,
     /// Gives a recorded folder to bridge and controller once more, and compares what they command
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["fieldbus", "check", "dry_run", "bus", "scenario", "record", "status"])]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["fieldbus", "check", "dry_run", "bus", "scenario", "record", "status", "survey"])]
     replay: Option<PathBuf>,
+}
+
+/// What the bridge is run for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    Run,
+    DryRun,
+    Survey,
+}
+
+impl Purpose {
+    fn bridge(self, config: &Config) -> Bridge {
+        match self {
+            Self::Run => Bridge::new(config.clone()),
+            Self::DryRun => Bridge::shadow(config.clone()),
+            Self::Survey => Bridge::survey(config.clone()),
+        }
+    }
 }
 
 /// What an exit code tells apart.
@@ -95,6 +121,7 @@ enum Outcome {
     Faulted,
     CutOff,
     Incomplete,
+    Blamed,
 }
 
 impl From<Outcome> for ExitCode {
@@ -106,6 +133,7 @@ impl From<Outcome> for ExitCode {
             Outcome::Faulted => 5,
             Outcome::CutOff => 6,
             Outcome::Incomplete => 7,
+            Outcome::Blamed => 8,
         })
     }
 }
@@ -155,7 +183,8 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
     let controller = BridgeController::open(config, arguments.controller.as_deref())?;
     if arguments.check {
         let (sheets, lacking) = data_sheet::text(config, &arguments.eds)?;
-        print(&(check::text(config, &controller) + &sheets))?;
+        let survey = arguments.survey.map_or(String::new(), |accuracy| Survey::new(config, accuracy).text());
+        print(&(check::text(config, &controller) + &sheets + &survey))?;
         ensure!(lacking == 0, "of {} data sheets {lacking} lack what the bridge uses", arguments.eds.len());
     }
     if let Err(reason) = bus_load::check(config) {
@@ -172,6 +201,12 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
         .scenario
         .as_deref()
         .map_or(Ok(vec![]), |path| goals::read(path, config, &controller.parameters()))?;
+    let purpose = match arguments.survey {
+        _ if arguments.dry_run => Purpose::DryRun,
+        Some(_) => Purpose::Survey,
+        None => Purpose::Run,
+    };
+    let survey = arguments.survey.map(|accuracy| Arc::new(Survey::new(config, accuracy)));
     let mut links = vec![];
     for bus in &config.buses {
         let replaced = arguments.bus.iter().find(|(name, _)| *name == bus.name);
@@ -179,26 +214,29 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
         links.push(transport::open(address, bus.bit_rate as u32, &[])?);
     }
     let recording = match &arguments.record {
-        Some(folder) => Some(record::Recording::create(folder, files, &controller, arguments.dry_run)?),
+        Some(folder) => Some(record::Recording::create(folder, files, &controller, purpose)?),
         None => None,
     };
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
-    let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
     let stop = signals::listen()?;
-    let (commands, _terminal) = operator::listen(config)?;
-    let (teller, journal) = Journal::start(recording, stream, config)?;
+    let (commands, _terminal) = operator::listen(config, survey.clone())?;
+    let (teller, journal) = Journal::start(recording, stream, config, survey.clone())?;
     real_time::say_panics_briefly();
     if !arguments.no_realtime {
         real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));
     }
-    let mut session = Session::new(bridge, &mut controller, links, teller, commands, stop, goals);
+    let mut session =
+        Session::new(purpose.bridge(config), &mut controller, links, teller, commands, stop, goals);
     let end = session.run();
     drop(session);
     let whole = journal.join();
+    let verdict = survey.map(|survey| survey.verdict());
+    verdict.iter().for_each(|(text, _)| say(text));
     Ok(match end {
         End::CutOff => Outcome::CutOff,
         End::Faulted => Outcome::Faulted,
         End::Asked if !whole => Outcome::Incomplete,
+        End::Asked if verdict.is_some_and(|(_, is_good)| !is_good) => Outcome::Blamed,
         End::Asked => Outcome::Done,
     })
 }

@@ -1,9 +1,11 @@
 //! What the operator wants: keys on a terminal, and lines from a pipe.
 
 use std::io::IsTerminal;
+use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use super::survey::Survey;
 use super::terminal::say;
 use anyhow::{Context, Result};
 use cable_robot::robot::{Coordinates, Pose};
@@ -23,14 +25,21 @@ const QUEUE: usize = 256;
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
 
+const SURVEY_KEYS: &str = "keys: h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
+
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
-pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
+pub fn listen(
+    config: &Config,
+    survey: Option<Arc<Survey>>,
+) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
     let (producer, consumer) = RingBuffer::new(QUEUE);
     // Three times within the time allowed.
     let again = Duration::from_nanos(config.timeouts.enable / 3);
     let terminal = if std::io::stdin().is_terminal() { Some(Terminal::raw()?) } else { None };
     let has_keys = terminal.is_some();
-    let read = move || if has_keys { keys(producer, again) } else { lines(producer) };
+    let read = move || {
+        if has_keys { keys(producer, again, survey.as_deref()) } else { lines(producer, survey.as_deref()) }
+    };
     thread::Builder::new().name("operator".to_owned()).spawn(read).context("no thread for the operator")?;
     Ok((consumer, terminal))
 }
@@ -69,8 +78,8 @@ fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
 }
 
 /// A terminal knows no key that is held: `h` and `e` count as held until the next key, whichever it is.
-fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
-    say(KEYS);
+fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&Survey>) {
+    say(if survey.is_some() { SURVEY_KEYS } else { KEYS });
     let mut held = None;
     let mut tell = |command| give(&mut queue, command);
     loop {
@@ -78,6 +87,11 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
         match read_within(&mut key, held.map(|_| again)) {
             None => held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Release),
+            // In Ready nothing is held any more: the platform is in the person's hands.
+            Some(_) if key[0] == b'p' && survey.is_some() => {
+                let asked = survey.and_then(Survey::asked);
+                asked.map(OperatorCommand::Placed).into_iter().for_each(&mut tell);
+            }
             Some(_) => {
                 held = held_after(held, key[0]);
                 tell(held.unwrap_or(OperatorCommand::Release));
@@ -101,14 +115,14 @@ fn held_after(held: Option<OperatorCommand>, key: u8) -> Option<OperatorCommand>
 }
 
 /// A command a line, see [`command`].
-fn lines(mut queue: Producer<OperatorCommand>) {
+fn lines(mut queue: Producer<OperatorCommand>, survey: Option<&Survey>) {
     let (mut line, mut bytes) = (Vec::with_capacity(LONGEST_LINE), [0; LONGEST_LINE]);
     loop {
         let read = read_within(&mut bytes, None).unwrap_or(0);
         for byte in &bytes[..read] {
             match byte {
                 b'\n' => {
-                    match command(&String::from_utf8_lossy(&line)) {
+                    match command_of(&String::from_utf8_lossy(&line), survey) {
                         Ok(command) => command.into_iter().for_each(|command| give(&mut queue, command)),
                         // Whoever wanted to let go, and wrote it wrongly, has let go.
                         Err(reason) => {
@@ -127,6 +141,14 @@ fn lines(mut queue: Producer<OperatorCommand>) {
             say(format_args!("can-bridge: the operator's input has ended: let go; SIGTERM ends the program"));
             return give(&mut queue, OperatorCommand::Release);
         }
+    }
+}
+
+/// What a line asks; `placed` alone is at the pose that the survey asks for.
+fn command_of(line: &str, survey: Option<&Survey>) -> Result<Option<OperatorCommand>, String> {
+    match survey {
+        Some(survey) if line.trim_ascii() == "placed" => Ok(survey.asked().map(OperatorCommand::Placed)),
+        _ => command(line),
     }
 }
 
@@ -156,7 +178,8 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "release" => OperatorCommand::Release,
         "reset" => OperatorCommand::Reset,
         "shutdown" => OperatorCommand::Shutdown,
-        "goal" => return goal(words.collect()).map(Some),
+        "goal" => return pose("goal", words.collect()).map(|pose| Some(OperatorCommand::Goal(pose))),
+        "placed" => return pose("placed", words.collect()).map(|pose| Some(OperatorCommand::Placed(pose))),
         _ => {
             return Err(format!(
                 "{line:?}: expected home, enable, release, goal x y z [roll pitch yaw], reset or shutdown"
@@ -177,22 +200,25 @@ pub fn text(command: &OperatorCommand) -> String {
         OperatorCommand::Release => "release".to_owned(),
         OperatorCommand::Reset => "reset".to_owned(),
         OperatorCommand::Shutdown => "shutdown".to_owned(),
-        OperatorCommand::Goal(pose) => {
-            pose.0.iter().fold("goal".to_owned(), |text, number| text + &format!(" {number}"))
-        }
+        OperatorCommand::Goal(pose) => numbers("goal", pose),
+        OperatorCommand::Placed(pose) => numbers("placed", pose),
     }
 }
 
-fn goal(words: Vec<&str>) -> Result<OperatorCommand, String> {
-    let allowed = "a goal is x y z (m) or x y z roll pitch yaw (m, rad), below the base: z > 0";
+fn numbers(word: &str, pose: &Pose) -> String {
+    pose.0.iter().fold(word.to_owned(), |text, number| text + &format!(" {number}"))
+}
+
+fn pose(word: &str, words: Vec<&str>) -> Result<Pose, String> {
+    let allowed = "a pose is x y z (m) or x y z roll pitch yaw (m, rad), below the base: z > 0";
     let numbers: Vec<f64> =
         words.iter().filter_map(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).collect();
     if numbers.len() != words.len() || !matches!(numbers.len(), 3 | 6) || numbers[2] <= 0.0 {
-        return Err(format!("goal {}: {allowed}", words.join(" ")));
+        return Err(format!("{word} {}: {allowed}", words.join(" ")));
     }
     let mut pose = Coordinates::zeros();
     pose.as_mut_slice()[..numbers.len()].copy_from_slice(&numbers);
-    Ok(OperatorCommand::Goal(Pose(pose)))
+    Ok(Pose(pose))
 }
 
 #[cfg(test)]
@@ -219,6 +245,7 @@ mod tests {
             OperatorCommand::Reset,
             OperatorCommand::Shutdown,
             OperatorCommand::Goal(pose),
+            OperatorCommand::Placed(pose),
         ] {
             assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));
         }
@@ -254,7 +281,7 @@ mod tests {
         assert!(command("go").unwrap_err().contains("expected home, enable"));
         assert!(command("enable now").unwrap_err().contains("\"now\" is too much"));
         for goal in ["goal", "goal 1 2", "goal 0 0 -1", "goal 0 0 nan", "goal 0 0 one", "goal 0 0 1 2"] {
-            assert!(command(goal).unwrap_err().contains("a goal is x y z"), "{goal}");
+            assert!(command(goal).unwrap_err().contains("a pose is x y z"), "{goal}");
         }
     }
 }

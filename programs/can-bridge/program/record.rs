@@ -16,6 +16,7 @@ use cable_robot_report::recording::{Recording as Rows, columns};
 use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
 use nalgebra::Vector3;
 
+use super::Purpose;
 use super::controller::BridgeController;
 use super::entry::{Cycle, Entry, Input};
 use super::log::{self, Direction};
@@ -73,7 +74,12 @@ pub struct Recording {
 
 impl Recording {
     /// Makes the folder and its files.
-    pub fn create(folder: &Path, files: &Files, controller: &BridgeController, is_dry: bool) -> Result<Self> {
+    pub fn create(
+        folder: &Path,
+        files: &Files,
+        controller: &BridgeController,
+        purpose: Purpose,
+    ) -> Result<Self> {
         run_folder::make(folder)?;
         let create = |name: &str| RowFile::create(&folder.join(name));
         for (name, text) in [(log::FIELDBUS, &files.fieldbus), (log::RIG, &files.rig)] {
@@ -83,8 +89,8 @@ impl Recording {
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
         inputs.write_record(["cycle", "input"])?;
         inputs.write_record(["0", &log::controller_text(controller.identity())])?;
-        if is_dry {
-            inputs.write_record(["0", log::DRY_RUN])?;
+        if let Some(text) = log::purpose_text(purpose) {
+            inputs.write_record(["0", text])?;
         }
         let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
         cycles.write_record(log::columns(config.rig.cables.len()))?;

@@ -14,7 +14,7 @@ use cable_robot_files::{Lines, read_text};
 use super::controller::{BridgeController, Identity};
 use super::entry::{Input, OnBus};
 use super::log::{self, Direction};
-use super::{Outcome, print};
+use super::{Outcome, Purpose, print};
 
 /// Enters the session in this folder and prints what came of it. Nothing that the folder says is run: the controller is this program's own, or the `fmu` that the user
 /// names, which must be the one that was recorded.
@@ -200,7 +200,7 @@ impl Clock {
 struct Inputs {
     /// Which controller it was.
     controller: Option<String>,
-    is_dry: bool,
+    purpose: Purpose,
     /// Each with the cycle before which it entered.
     inputs: VecDeque<(u64, Input)>,
     /// The cycle before which entries are missing.
@@ -213,7 +213,7 @@ impl Inputs {
         let text = read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let mut rows = csv::Reader::from_reader(whole.as_bytes());
-        let mut read = Self { controller: None, is_dry: false, inputs: VecDeque::new(), gap: None };
+        let mut read = Self { controller: None, purpose: Purpose::Run, inputs: VecDeque::new(), gap: None };
         let mut last = 0;
         for (k, row) in rows.deserialize().enumerate() {
             let place = || format!("{}: line {}", path.display(), k + 2);
@@ -221,8 +221,10 @@ impl Inputs {
             ensure!(cycle >= last, "{}: cycle {cycle} comes after cycle {last}", place());
             last = cycle;
             match text.as_str() {
-                log::DRY_RUN => read.is_dry = true,
                 log::GAP => _ = read.gap.get_or_insert(cycle),
+                text if log::parse_purpose(text).is_some() => {
+                    read.purpose = log::parse_purpose(text).unwrap_or(read.purpose);
+                }
                 text => match text.strip_prefix(log::CONTROLLER) {
                     Some(identity) => read.controller = Some(identity.to_owned()),
                     None => {
@@ -259,13 +261,13 @@ struct Replay {
 }
 
 impl Replay {
-    fn open(folder: &Path, config: Config, Inputs { is_dry, inputs, gap, .. }: Inputs) -> Result<Self> {
+    fn open(folder: &Path, config: Config, Inputs { purpose, inputs, gap, .. }: Inputs) -> Result<Self> {
         let path = folder.join(log::FRAMES);
         Ok(Self {
-            bridge: if is_dry { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) },
+            bridge: purpose.bridge(&config),
             clock: Clock::new(&config),
             config,
-            is_dry,
+            is_dry: purpose == Purpose::DryRun,
             inputs,
             gap,
             lines: BufReader::new(lines(&path)?),

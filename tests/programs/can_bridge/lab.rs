@@ -13,7 +13,7 @@ use cable_robot::robot::RigFile;
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::Config;
 use cable_robot_fieldbus::cia402::DriveState;
-use cable_robot_fieldbus::simulated::SimulatedRig;
+use cable_robot_fieldbus::simulated::{Link, Mishap, SimulatedRig};
 use cable_robot_fieldbus::transport::{LinkError, Transport, now, pseudo_terminal};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -65,13 +65,18 @@ pub struct Lab {
 
 impl Lab {
     pub fn start() -> Self {
+        Self::start_as(config())
+    }
+
+    /// A rig that may be another than the bridge believes.
+    pub fn start_as(truth: Config) -> Self {
         let imperfections = PlantParameters {
             friction: 0.2,
             motor_lag: 2e-3,
             load_cell_noise: 0.005,
             ..PlantParameters::default()
         };
-        let rig = Arc::new(Mutex::new(SimulatedRig::new(config(), imperfections).unwrap()));
+        let rig = Arc::new(Mutex::new(SimulatedRig::new(truth, imperfections).unwrap()));
         let (mut adapter, device) = pseudo_terminal().unwrap();
         let stop = Arc::new(AtomicBool::new(false));
         let (shared, stopped) = (Arc::clone(&rig), Arc::clone(&stop));
@@ -97,6 +102,12 @@ impl Lab {
             }
         });
         Self { rig, device, stop, thread: Some(thread) }
+    }
+
+    /// Something happens, in the words of `rig-sim`.
+    pub fn suffer(&self, text: &str) {
+        let mishap = Mishap::parse(text, 6).unwrap();
+        self.rig().suffer(mishap, &mut Link::new(1), 0, &mut vec![]);
     }
 
     pub fn rig(&self) -> std::sync::MutexGuard<'_, SimulatedRig> {

@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 
 mod lab;
+mod survey;
 
 use std::fs;
 use std::io::Write;

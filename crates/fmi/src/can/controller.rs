@@ -117,6 +117,8 @@ fn report(log: &Log, time: u64, event: &Event) {
             (Category::Warning, format!("{count} emergency messages came at once and were lost"))
         }
         Event::Entered(state) => (Category::Events, format!("{state}")),
+        // Never: a node of an FMU makes no survey.
+        Event::Placed(pose, _) => (Category::Events, format!("placed at {pose:?}")),
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
     };

@@ -1,0 +1,163 @@
+//! `--survey`: which poses to place the platform at, what was measured there, and what that says of the files.
+
+use std::sync::Mutex;
+
+use cable_robot::robot::{PerCable, Pose};
+use cable_robot_fieldbus::Config;
+use cable_robot_fieldbus::commission::{Accuracy, NEEDED, Placement, Plan, Quantity, Verdict, World};
+
+/// What is asked for, and what was measured so far. Operator and journal have it in common, the loop knows nothing of it.
+pub struct Survey {
+    file: World,
+    accuracy: Accuracy,
+    plan: Plan,
+    measured: Mutex<Vec<Placement>>,
+}
+
+impl Survey {
+    /// For a platform that is placed with errors of these standard deviations, m and rad.
+    pub fn new(config: &Config, (position, angle): (f64, f64)) -> Self {
+        let accuracy = Accuracy::of_placing(position, angle, &config.rig);
+        Self {
+            file: World::of(config),
+            plan: Plan::new(config, &accuracy),
+            accuracy,
+            measured: Mutex::new(vec![]),
+        }
+    }
+
+    /// The pose that is asked for next.
+    pub fn asked(&self) -> Option<Pose> {
+        let measured = self.measured.lock().map_or(0, |measured| measured.len());
+        self.plan.poses.get(measured).copied()
+    }
+
+    /// Takes in what was measured, and says what comes next.
+    pub fn take(&self, pose: Pose, lengthening: PerCable<f64>) -> String {
+        if let Ok(mut measured) = self.measured.lock() {
+            measured.push(Placement { pose, lengthening });
+        }
+        format!("measured at {}; {}", at(&pose), self.next())
+    }
+
+    /// What a person is to do.
+    pub fn next(&self) -> String {
+        match self.asked() {
+            Some(pose) => format!("put the platform at {}, let it rest, then placed (key p)", at(&pose)),
+            None => "every pose was measured: shutdown (key q) ends with the verdict".to_owned(),
+        }
+    }
+
+    /// What `--check` prints.
+    pub fn text(&self) -> String {
+        let Accuracy { position, angle, length } = self.accuracy;
+        let mut text = format!(
+            "\nsurvey: the platform placed with standard deviations of {} m and {} rad, lengths read with {} m\n\
+             place it at (x y z in m, yaw in degrees, level; home is read first)\n",
+            position, angle, length
+        );
+        for (pose, number) in self.plan.poses.iter().zip(1..) {
+            text += &format!("  {number}  {}\n", at(pose));
+        }
+        let (shown, all) = (self.plan.doubts.len() - self.plan.hidden().count(), self.plan.doubts.len());
+        text += &format!(
+            "of {all} mistakes looked for {shown} show there by {NEEDED} standard deviations or more\n"
+        );
+        if shown < all {
+            text += "these do not:\n";
+        }
+        self.plan.hidden().for_each(|doubt| text += &format!("  {doubt}\n"));
+        text += "the least that shows of each measure:\n";
+        let of_end = |(quantity, _): &&(Quantity, f64)| {
+            matches!(quantity, Quantity::Anchor(..) | Quantity::Attachment(..))
+        };
+        for (quantity, least) in self.plan.quantities.iter().filter(|entry| !of_end(entry)) {
+            let (unit, factor) = quantity.unit();
+            text += &format!("  {quantity}: {:.1} {unit}\n", factor * least);
+        }
+        let ends = self.plan.quantities.iter().filter(of_end).map(|(_, least)| 1e3 * least);
+        let (least, most) =
+            ends.fold((f64::INFINITY, 0.0), |(least, most), end| (end.min(least), end.max(most)));
+        text + &format!("  an anchor or an attachment, along an axis: {least:.1} to {most:.1} mm\n")
+    }
+
+    /// What was found, and whether the files may be trusted: every pose was measured, and nothing else explains the lengths better.
+    pub fn verdict(&self) -> (String, bool) {
+        let measured = self.measured.lock().map_or(vec![], |measured| measured.clone());
+        let poses = self.plan.poses.len();
+        if measured.len() < poses {
+            return (format!("survey: not whole, {} of {poses} poses were measured", measured.len()), false);
+        }
+        let verdict = Verdict::new(&self.file, &measured, &self.accuracy);
+        let residual = verdict.residual;
+        if verdict.is_good() {
+            let text = "survey: lengths and poses agree as the files say";
+            return (format!("{text}: {residual:.2} standard deviations on average"), true);
+        }
+        let mut text =
+            "survey: THE FILES ARE WRONG, or the platform was placed worse than was said\n".to_owned();
+        text += if verdict.is_explained {
+            "explained by\n"
+        } else {
+            "nothing looked for explains it alone; best does\n"
+        };
+        for explanation in &verdict.explanations {
+            text += &format!("  {explanation}\n");
+        }
+        text += &format!("which leaves {residual:.2} standard deviations on average");
+        (text, false)
+    }
+}
+
+/// A pose for people, m and degrees.
+fn at(pose: &Pose) -> String {
+    let (position, [roll, pitch, yaw]) = (pose.position(), pose.angles().map(f64::to_degrees).into());
+    let mut text = format!("{:.3} {:.3} {:.3}, yaw {:.1}", position.x, position.y, position.z, yaw + 0.0);
+    if roll.abs() > 0.05 || pitch.abs() > 0.05 {
+        text += &format!(", roll {roll:.1}, pitch {pitch:.1}");
+    }
+    text
+}
+
+/// Reads `POSITION,ANGLE`.
+pub fn accuracy(text: &str) -> Result<(f64, f64), String> {
+    let allowed = "expected two standard deviations greater than 0, m and rad, such as 0.003,0.02";
+    let numbers: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    match numbers[..] {
+        [position, angle] if (1e-9..1e3).contains(&position) && (1e-9..1.0).contains(&angle) => {
+            Ok((position, angle))
+        }
+        _ => Err(allowed.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::tests::config;
+
+    #[test]
+    fn a_survey_asks_for_its_poses_one_after_the_other_and_is_good_only_when_whole() {
+        let survey = Survey::new(&config(), (0.001, 0.002));
+        assert!(survey.text().contains("the least that shows"), "{}", survey.text());
+        while let Some(pose) = survey.asked() {
+            assert!(!survey.verdict().1 && survey.verdict().0.contains("not whole"));
+            let said = survey.take(pose, survey.file.lengthening(&pose));
+            assert!(said.starts_with("measured at"), "{said}");
+        }
+        assert!(survey.next().contains("verdict"));
+        assert!(survey.verdict().1, "{}", survey.verdict().0);
+        let one_more = Pose::at(0.0, 0.1, 0.9);
+        survey.take(one_more, PerCable::filled(6, 0.05));
+        let (text, is_good) = survey.verdict();
+        assert!(!is_good && text.contains("THE FILES ARE WRONG"), "{text}");
+    }
+
+    #[test]
+    fn an_accuracy_is_two_lengths_that_make_sense() {
+        assert_eq!(accuracy("0.003, 0.02"), Ok((0.003, 0.02)));
+        for text in ["", "1", "0,1", "0.1,-1", "nan,0.1", "0.1,0.1,0.1", "0.1,inf"] {
+            assert!(accuracy(text).unwrap_err().contains("such as 0.003,0.02"), "{text}");
+        }
+    }
+}
