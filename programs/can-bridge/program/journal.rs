@@ -15,7 +15,7 @@ use serde_json::json;
 use super::entry::{Entry, Teller};
 use super::record::Recording;
 use super::status::{Status, Stream};
-use super::survey::Survey;
+use super::survey::{self, Survey};
 use super::terminal::{say, show, show_nothing};
 
 /// Entries that wait: more than a second's at any rate that fits on a bus.
@@ -103,6 +103,9 @@ impl Writer {
             (Entry::Event(time, Event::Placed(pose, lengthening)), Some(survey)) => {
                 Some((*time, survey.take(*pose, *lengthening)))
             }
+            (Entry::Event(time, Event::Zeroed(reading)), Some(survey)) => {
+                Some((*time, survey.advice(reading)))
+            }
             (Entry::Event(time, Event::Entered(State::Ready)), Some(survey)) => Some((*time, survey.next())),
             _ => None,
         };
@@ -144,8 +147,6 @@ impl Writer {
 /// What is to be said of an entry.
 fn message(entry: &Entry) -> Option<(Nanoseconds, String)> {
     match entry {
-        // The survey says it.
-        Entry::Event(_, Event::Placed(..)) => None,
         Entry::Event(time, event) => Some((*time, event_text(event))),
         Entry::Refused(time, refusal) => Some((*time, format!("refused: {refusal}"))),
         Entry::Note(time, text) => Some((*time, (*text).to_owned())),
@@ -162,7 +163,12 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
         Event::LetGo(Cause::EnableExpired) => "home was not given again: the motors are off".to_owned(),
         Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
-        Event::Placed(pose, _) => format!("placed at {:.3?}", pose.0.as_slice()),
+        Event::Pulled { cable, tension, came_in } => survey::pulled_text(*cable, *tension, came_in),
+        Event::Placed(pose, _) => format!("measured at {}", survey::at(pose)),
+        Event::Zeroed(reading) => survey::zeroed_text(reading),
+        Event::WatchdogProved => {
+            "every drive stopped by itself when the bridge was silent; all are set up anew".to_owned()
+        }
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
         Event::Lost(count) => format!("{count} more emergency messages came at once"),

@@ -25,7 +25,7 @@ const QUEUE: usize = 256;
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
 
-const SURVEY_KEYS: &str = "keys: h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
+const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(
@@ -88,12 +88,20 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
             None => held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Release),
             // In Ready nothing is held any more: the platform is in the person's hands.
+            Some(_) if key[0] == b'z' && survey.is_some() => tell(OperatorCommand::Zero),
+            Some(_) if key[0] == b'w' && survey.is_some() => tell(OperatorCommand::TryWatchdog),
             Some(_) if key[0] == b'p' && survey.is_some() => {
                 let asked = survey.and_then(Survey::asked);
                 asked.map(OperatorCommand::Placed).into_iter().for_each(&mut tell);
             }
             Some(_) => {
-                held = held_after(held, key[0]);
+                held = match key[0].checked_sub(b'1') {
+                    // The motor of cable 1 to 9 pulls until the next key.
+                    Some(cable @ 0..9) if survey.is_some() && held.is_none() => {
+                        Some(OperatorCommand::Pull(cable.into()))
+                    }
+                    _ => held_after(held, key[0]),
+                };
                 tell(held.unwrap_or(OperatorCommand::Release));
                 match key[0] {
                     b'r' => tell(OperatorCommand::Reset),
@@ -179,6 +187,9 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "reset" => OperatorCommand::Reset,
         "shutdown" => OperatorCommand::Shutdown,
         "goal" => return pose("goal", words.collect()).map(|pose| Some(OperatorCommand::Goal(pose))),
+        "pull" => return cable(words.collect()).map(Some),
+        "zero" => OperatorCommand::Zero,
+        "watchdog" => OperatorCommand::TryWatchdog,
         "placed" => return pose("placed", words.collect()).map(|pose| Some(OperatorCommand::Placed(pose))),
         _ => {
             return Err(format!(
@@ -200,6 +211,9 @@ pub fn text(command: &OperatorCommand) -> String {
         OperatorCommand::Release => "release".to_owned(),
         OperatorCommand::Reset => "reset".to_owned(),
         OperatorCommand::Shutdown => "shutdown".to_owned(),
+        OperatorCommand::Pull(cable) => format!("pull {}", cable + 1),
+        OperatorCommand::Zero => "zero".to_owned(),
+        OperatorCommand::TryWatchdog => "watchdog".to_owned(),
         OperatorCommand::Goal(pose) => numbers("goal", pose),
         OperatorCommand::Placed(pose) => numbers("placed", pose),
     }
@@ -207,6 +221,14 @@ pub fn text(command: &OperatorCommand) -> String {
 
 fn numbers(word: &str, pose: &Pose) -> String {
     pose.0.iter().fold(word.to_owned(), |text, number| text + &format!(" {number}"))
+}
+
+fn cable(words: Vec<&str>) -> Result<OperatorCommand, String> {
+    let number = words.first().and_then(|word| word.parse().ok()).filter(|number: &usize| *number > 0);
+    match (number, words.len()) {
+        (Some(number), 1) => Ok(OperatorCommand::Pull(number - 1)),
+        _ => Err(format!("pull {}: expected the number of a cable, from 1", words.join(" "))),
+    }
 }
 
 fn pose(word: &str, words: Vec<&str>) -> Result<Pose, String> {
@@ -246,6 +268,9 @@ mod tests {
             OperatorCommand::Shutdown,
             OperatorCommand::Goal(pose),
             OperatorCommand::Placed(pose),
+            OperatorCommand::Pull(2),
+            OperatorCommand::Zero,
+            OperatorCommand::TryWatchdog,
         ] {
             assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));
         }

@@ -201,7 +201,12 @@ impl Run {
         let is_shown = match report.state {
             State::Enabled | State::Shadow => true,
             State::Stopping | State::Safe | State::Fault => self.csv.is_some(),
-            State::Configuring | State::Homing | State::TakingUpSlack | State::Ready | State::Off => false,
+            State::Configuring
+            | State::Homing
+            | State::Trying
+            | State::TakingUpSlack
+            | State::Ready
+            | State::Off => false,
         };
         let Some(answer) = self.answer.filter(|_| is_shown) else { return Ok(()) };
         // Where the platform was then, nobody knows.

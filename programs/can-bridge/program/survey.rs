@@ -11,6 +11,8 @@ pub struct Survey {
     file: World,
     accuracy: Accuracy,
     plan: Plan,
+    /// What a load cell may say of a slack cable, N.
+    most_at_rest: f64,
     measured: Mutex<Vec<Placement>>,
 }
 
@@ -22,7 +24,16 @@ impl Survey {
             file: World::of(config),
             plan: Plan::new(config, &accuracy),
             accuracy,
+            most_at_rest: config.limits.disagreement,
             measured: Mutex::new(vec![]),
+        }
+    }
+
+    /// What to do about what load cells say of slack cables.
+    pub fn advice(&self, reading: &PerCable<f64>) -> String {
+        match reading.iter().position(|reading| reading.abs() > self.most_at_rest) {
+            Some(i) => format!("is cable {} slack? its cell is off by more than limits.disagreement", i + 1),
+            None => "take these off each offset of the fieldbus file".to_owned(),
         }
     }
 
@@ -37,7 +48,7 @@ impl Survey {
         if let Ok(mut measured) = self.measured.lock() {
             measured.push(Placement { pose, lengthening });
         }
-        format!("measured at {}; {}", at(&pose), self.next())
+        self.next()
     }
 
     /// What a person is to do.
@@ -109,8 +120,39 @@ impl Survey {
     }
 }
 
+/// What load cells say of slack cables.
+pub fn zeroed_text(reading: &PerCable<f64>) -> String {
+    let cells: Vec<_> =
+        (1..).zip(reading.iter()).map(|(cable, reading)| format!("{cable}: {reading:+.3}")).collect();
+    format!("load cells with slack cables, N: {}", cells.join("  "))
+}
+
+/// What a motor's pull showed, and what a person is to see.
+pub fn pulled_text(cable: usize, tension: f64, came_in: &PerCable<f64>) -> String {
+    let millimetres = came_in.map(|way| 1e3 * way);
+    let farthest =
+        (0..came_in.len()).fold(0, |far, i| if came_in[i].abs() > came_in[far].abs() { i } else { far });
+    let number = cable + 1;
+    let shown = match (farthest == cable, millimetres[farthest]) {
+        (_, way) if way.abs() < 0.1 => {
+            "no encoder moved: the cable is taut, or the motor is stuck".to_owned()
+        }
+        (true, way) if way > 0.0 => format!("its encoder says that the cable came in by {way:.1} mm"),
+        (true, way) => format!(
+            "its encoder says that the cable went OUT by {:.1} mm: sign or winding sense is wrong",
+            -way
+        ),
+        (false, way) => {
+            format!("the encoder of cable {} says {way:+.1} mm, not its own: exchanged", farthest + 1)
+        }
+    };
+    format!(
+        "the motor of cable {number} pulled {tension:.2} N: {shown}; did you see cable {number} come in, and no other?"
+    )
+}
+
 /// A pose for people, m and degrees.
-fn at(pose: &Pose) -> String {
+pub fn at(pose: &Pose) -> String {
     let (position, [roll, pitch, yaw]) = (pose.position(), pose.angles().map(f64::to_degrees).into());
     let mut text = format!("{:.3} {:.3} {:.3}, yaw {:.1}", position.x, position.y, position.z, yaw + 0.0);
     if roll.abs() > 0.05 || pitch.abs() > 0.05 {
@@ -143,7 +185,7 @@ mod tests {
         while let Some(pose) = survey.asked() {
             assert!(!survey.verdict().1 && survey.verdict().0.contains("not whole"));
             let said = survey.take(pose, survey.file.lengthening(&pose));
-            assert!(said.starts_with("measured at"), "{said}");
+            assert!(said.contains("put the platform at") || said.contains("every pose"), "{said}");
         }
         assert!(survey.next().contains("verdict"));
         assert!(survey.verdict().1, "{}", survey.verdict().0);
@@ -151,6 +193,28 @@ mod tests {
         survey.take(one_more, PerCable::filled(6, 0.05));
         let (text, is_good) = survey.verdict();
         assert!(!is_good && text.contains("THE FILES ARE WRONG"), "{text}");
+    }
+
+    #[test]
+    fn a_load_cell_that_says_much_of_a_slack_cable_is_not_to_be_zeroed() {
+        let survey = Survey::new(&config(), (0.001, 0.002));
+        let mut reading = PerCable::filled(6, 0.2);
+        assert!(survey.advice(&reading).contains("take these off"));
+        reading[3] = -40.0;
+        assert!(survey.advice(&reading).contains("is cable 4 slack?"));
+    }
+
+    #[test]
+    fn what_a_pull_shows_is_said() {
+        let mut came_in = PerCable::filled(6, 0.0);
+        assert!(pulled_text(2, 3.0, &came_in).contains("no encoder moved"));
+        came_in[2] = 0.006;
+        assert!(pulled_text(2, 0.4, &came_in).contains("came in by 6.0 mm"));
+        came_in[2] = -0.006;
+        assert!(pulled_text(2, 0.4, &came_in).contains("went OUT by 6.0 mm"));
+        came_in = PerCable::filled(6, 0.0);
+        came_in[4] = 0.006;
+        assert!(pulled_text(2, 0.4, &came_in).contains("encoder of cable 5"));
     }
 
     #[test]

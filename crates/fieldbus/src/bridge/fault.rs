@@ -61,6 +61,15 @@ pub enum Fault {
         /// Where it is.
         state: DriveState,
     },
+    /// A drive goes on when nobody commands it any more.
+    #[error(
+        "drive {node} still is in Operation enabled after the bridge was silent for twice heartbeat.drive_watchdog: killed, it would \
+         leave a motor that pulls; look at its heartbeat consumer (0x1016), error behaviour (0x1029) and abort connection option (0x6007)"
+    )]
+    WatchdogIgnored {
+        /// Its address.
+        node: Node,
+    },
     /// A drive reports a fault in its status word.
     #[error("drive {node} is in \"{state}\"")]
     DriveFault {
@@ -319,6 +328,7 @@ impl Fault {
             | Different { node, .. }
             | ModeRefused { node, .. }
             | DriveStuck { node, .. }
+            | WatchdogIgnored { node }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }
             | DriveDisobeys { node, .. }

@@ -15,6 +15,7 @@ mod state;
 mod survey;
 #[cfg(test)]
 mod tests;
+mod trial;
 mod watch;
 
 pub use fault::{Fault, TransportError};
@@ -28,6 +29,7 @@ use measure::{CellMonitor, Encoder};
 use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
+use trial::Trial;
 
 use super::Nanoseconds;
 use super::canopen::eds::Use;
@@ -86,6 +88,8 @@ enum Mode {
     },
     Safe(SafePull),
     Fault(SafePull),
+    /// In a survey.
+    Trying(Trial),
     Off,
     Shadow {
         is_homed: bool,
@@ -262,6 +266,7 @@ impl Bridge {
             Mode::Stopping { .. } => State::Stopping,
             Mode::Safe(_) => State::Safe,
             Mode::Fault(_) => State::Fault,
+            Mode::Trying(_) => State::Trying,
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
         }
@@ -297,6 +302,7 @@ impl Bridge {
             };
             self.expect(result);
             self.on_mode(node, &response);
+            self.on_status(bus, node, &response);
         } else {
             self.on_process_data(bus, frame);
         }
@@ -424,6 +430,7 @@ impl Bridge {
             | Mode::Quieting { .. }
             | Mode::Configuring
             | Mode::Homing { .. }
+            | Mode::Trying(_)
             | Mode::Off
             | Mode::Shadow { .. } => false,
         }

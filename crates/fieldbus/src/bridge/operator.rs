@@ -1,7 +1,7 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Held, Mode, SafePull};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Held, Mode, SafePull, Trial};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use crate::config::SafeOutput;
@@ -42,6 +42,15 @@ impl Bridge {
             (OperatorCommand::Enable, Mode::Enabled { since, from, lifted, .. }) => {
                 self.mode = Mode::Enabled { since, from, lifted, confirmed: now };
             }
+            (OperatorCommand::Pull(cable), Mode::Homing { .. } | Mode::Trying(Trial::Pull { .. }))
+                if self.is_survey && cable < self.cables() =>
+            {
+                return self.pull(cable, now);
+            }
+            (OperatorCommand::Zero, Mode::Homing { .. }) if self.is_survey => return self.zero(now),
+            (OperatorCommand::TryWatchdog, Mode::Homing { .. }) if self.is_survey => {
+                return self.try_watchdog(now);
+            }
             (OperatorCommand::Placed(pose), Mode::Ready) if self.is_survey => return self.note_placing(pose),
             (OperatorCommand::Enable, Mode::Ready | Mode::Safe(Some(_))) if self.is_survey => {
                 return Err(refusal);
@@ -61,7 +70,9 @@ impl Bridge {
                 (self.is_released, self.is_home_stale) = (true, false);
                 match self.mode {
                     Mode::Enabled { .. } => self.stop(Cause::Released),
-                    Mode::TakingUpSlack { .. } | Mode::Ready => self.let_go(Cause::Released),
+                    Mode::TakingUpSlack { .. } | Mode::Ready | Mode::Trying(Trial::Pull { .. }) => {
+                        self.let_go(Cause::Released);
+                    }
                     _ => {}
                 }
             }
@@ -142,7 +153,7 @@ impl Bridge {
     }
 
     /// Everything anew; the drives lose their torque. Who never was alone on the buses listens once more.
-    fn reset(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.is_running = false;
         self.is_resetting_drives = true;
         (self.is_released, self.is_home_stale) = (true, false);
@@ -171,6 +182,7 @@ impl Bridge {
                 self.is_home_stale = true;
                 self.let_go(Cause::EnableExpired);
             }
+            Mode::Trying(trial) => self.try_out(trial, out),
             Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
@@ -227,7 +239,7 @@ impl Bridge {
     }
 
     /// The platform is on its stand: nothing holds it but that, and the motors may be switched off.
-    fn let_go(&mut self, cause: Cause) {
+    pub(super) fn let_go(&mut self, cause: Cause) {
         self.events.push(self.time, Event::LetGo(cause));
         self.enter(Mode::Homing { since: self.time });
     }

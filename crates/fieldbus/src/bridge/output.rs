@@ -22,6 +22,7 @@ impl Bridge {
             Mode::TakingUpSlack { step, .. } => {
                 (step.map_or(nothing, |step| self.slack_pull(&step)), Demand::Enabled)
             }
+            Mode::Trying(trial) => (self.trial_pull(&trial), Demand::Enabled),
             Mode::Ready => (PerCable::filled(self.cables(), self.config.slack.pretension), Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {
                 let share = self.share(since, self.config.safe.ramp);
@@ -72,13 +73,17 @@ impl Bridge {
         });
         self.commanded = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
         self.followers.iter_mut().zip(&torque).for_each(|(follower, torque)| follower.command(*torque));
-        if !self.has_spoken {
+        if !self.has_spoken || matches!(self.mode, Mode::Trying(trial) if trial.is_silent()) {
             return torque;
         }
         let has_process_data = self.is_running || matches!(self.mode, Mode::Quieting { .. });
         if has_process_data {
             for (bus, id, slots) in &self.torque_frames {
-                let word = self.control_word(slots, demand);
+                let is_led_up = match self.mode {
+                    Mode::Trying(trial) => trial.leads_up(slots.iter().flatten().copied()),
+                    _ => true,
+                };
+                let word = self.control_word(slots, if is_led_up { demand } else { Demand::Off });
                 if let Some(frame) = torque_frame(*id, slots, word, &torque) {
                     out.push(*bus, frame);
                 }

@@ -30,6 +30,8 @@ pub enum State {
     Safe,
     /// The safe output, after a fault.
     Fault,
+    /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on its stand.
+    Trying,
     /// Drives off, for good.
     Off,
     /// Nothing is sent: what the controller would do is computed beside another that does it.
@@ -56,6 +58,12 @@ pub enum OperatorCommand {
     Goal(Pose),
     /// A person has put the platform on blocks at this pose, measured in the base frame; in Ready, while poses are surveyed.
     Placed(Pose),
+    /// The motor of a cable (from 0) shall pull a little; in Homing, in a survey. To be given again within `timeouts.enable`.
+    Pull(usize),
+    /// Every cable is slack: what do the load cells say; in Homing, in a survey.
+    Zero,
+    /// Whether the drives stop by themselves when the bridge is silent; in Homing, in a survey.
+    TryWatchdog,
     /// From Homing to Ready, Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
     Reset,
     /// To the safe output, then off.
@@ -126,6 +134,19 @@ pub enum Event {
     Fault(Fault),
     /// The platform was placed at a pose, and each cable read so much longer than at home, m.
     Placed(Pose, PerCable<f64>),
+    /// A motor has pulled.
+    Pulled {
+        /// Its cable, from 0.
+        cable: usize,
+        /// At last, N.
+        tension: f64,
+        /// By how much each encoder says that its cable came in, m.
+        came_in: PerCable<f64>,
+    },
+    /// What each load cell said of a slack cable, N, in the mean.
+    Zeroed(PerCable<f64>),
+    /// Every drive left Operation enabled by itself when nothing was sent any more.
+    WatchdogProved,
     /// A node's emergency message, also one that says that an error is gone.
     Emergency(Emergency),
     /// So many emergency messages came at once that these were lost.

@@ -42,6 +42,8 @@ pub struct DriveFaults {
     pub is_limited: bool,
     /// Somebody else commands it.
     pub is_local: bool,
+    /// It goes on when its master and its torque frames are missing.
+    pub ignores_watchdog: bool,
     /// Its hardware enable is taken away: no higher than Switched on.
     pub is_blocked: bool,
 }
@@ -179,6 +181,8 @@ impl SimulatedDrive {
     }
 
     pub(super) fn on_frame(&mut self, frame: &Frame, now: Nanoseconds, out: &mut Vec<Frame>) {
+        // Whoever asks reads it as it is now; process data have that of the last SYNC.
+        self.node.set(STATUS_WORD, self.status().into());
         match self.node.on_frame(frame, now, out) {
             Some(Task::Receive(frame)) => self.receive(&frame),
             Some(Task::Sync) => self.synchronise(now, out),
@@ -253,6 +257,9 @@ impl SimulatedDrive {
         self.node.tick(now, out);
         let misses_frames = self.node.misses_frames(now);
         if self.state == DriveState::OperationEnabled {
+            if self.faults.ignores_watchdog {
+                return;
+            }
             if misses_frames {
                 self.fail(RECEIVE_ERROR, out);
             }

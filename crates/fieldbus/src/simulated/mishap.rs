@@ -35,6 +35,7 @@ drive N ignores-torque         goes on with the torque that it has, and says so 
 drive N limited                an internal limit holds back half of its torque, and it says so (status bit 11)
 drive N local                  obeys somebody else, and says so (status bit 9)
 drive N blocked                its hardware enable is taken away: falls to Switched on
+drive N ignores-watchdog       pulls on when nobody commands it any more
 drive N refuses-mode           never shows mode 10
 drive N refuses 0x6072 0x06090031  to have an object (0x6072, 0x1400:5) written, with this abort code
 cell N silent                  sends no process data
@@ -95,6 +96,7 @@ pub enum DriveMishap {
     Limited,
     Local,
     Blocked,
+    IgnoresWatchdog,
     RefusesMode,
     Refuses(Object, u32),
     Well,
@@ -176,6 +178,7 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["limited"] => DriveMishap::Limited,
         ["local"] => DriveMishap::Local,
         ["blocked"] => DriveMishap::Blocked,
+        ["ignores-watchdog"] => DriveMishap::IgnoresWatchdog,
         ["refuses-mode"] => DriveMishap::RefusesMode,
         ["refuses", index, code] => DriveMishap::Refuses(object(index)?, hexadecimal(code)?),
         ["well"] => DriveMishap::Well,
@@ -332,6 +335,7 @@ impl SimulatedRig {
             DriveMishap::Limited => drive.faults.is_limited = true,
             DriveMishap::Local => drive.faults.is_local = true,
             DriveMishap::Blocked => drive.faults.is_blocked = true,
+            DriveMishap::IgnoresWatchdog => drive.faults.ignores_watchdog = true,
             DriveMishap::RefusesMode => drive.faults.refuses_mode = true,
             DriveMishap::Refuses(object, code) => drive.node.faults.refuses = Some((object, code)),
             DriveMishap::Well => (drive.faults, drive.node.faults) = Default::default(),

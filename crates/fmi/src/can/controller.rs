@@ -104,8 +104,8 @@ fn number(state: State) -> i32 {
         State::Enabled => 5,
         State::Stopping => 6,
         State::Safe => 7,
-        // The other two are for other programs: one that is shut down, one that only looks on.
-        State::Fault | State::Off | State::Shadow => 8,
+        // The others are for other programs: one that makes a survey, one that is shut down, one that only looks on.
+        State::Fault | State::Trying | State::Off | State::Shadow => 8,
     }
 }
 
@@ -117,8 +117,8 @@ fn report(log: &Log, time: u64, event: &Event) {
             (Category::Warning, format!("{count} emergency messages came at once and were lost"))
         }
         Event::Entered(state) => (Category::Events, format!("{state}")),
-        // Never: a node of an FMU makes no survey.
-        Event::Placed(pose, _) => (Category::Events, format!("placed at {pose:?}")),
+        // A node of an FMU makes no survey.
+        Event::Placed(..) | Event::Pulled { .. } | Event::Zeroed(_) | Event::WatchdogProved => return,
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
     };

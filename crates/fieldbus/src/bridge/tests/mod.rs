@@ -5,6 +5,7 @@ mod faults;
 mod first_day;
 mod masters;
 mod safe_output;
+mod trials;
 
 use super::*;
 use crate::config::SafeOutput;

@@ -1,0 +1,140 @@
+//! Trials of a survey: one motor pulls, the drives lose the bridge.
+
+use super::*;
+
+/// In Homing, each cable with 20 mm of slack.
+fn survey(mishaps: &[&str]) -> Bench {
+    let mut bench = bench().surveying();
+    (1..=6).for_each(|cable| bench.suffer(&format!("cable {cable} slack 20")).unwrap());
+    mishaps.iter().for_each(|mishap| bench.suffer(mishap).unwrap());
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.1);
+    bench
+}
+
+/// Holds the button for as long as it does something. What came of it, and the greatest pull of each motor.
+fn pull(bench: &mut Bench, cable: usize) -> (Option<(f64, PerCable<f64>)>, PerCable<f64>) {
+    let mut most = PerCable::<f64>::filled(6, 0.0);
+    while bench.bridge.operator(OperatorCommand::Pull(cable), bench.now).is_ok() {
+        bench.cycle();
+        most = PerCable::from_fn(6, |i| most[i].max(bench.rig.drives[i].tension().abs()));
+    }
+    let pulled = bench.events.iter().rev().find_map(|(_, event)| match event {
+        Event::Pulled { cable: of, tension, came_in } if *of == cable => Some((*tension, *came_in)),
+        _ => None,
+    });
+    (pulled, most)
+}
+
+#[test]
+fn a_motor_pulls_its_own_cable_in_by_some_millimetres_and_stops() {
+    let mut bench = survey(&[]);
+    for cable in 0..6 {
+        let (pulled, most) = pull(&mut bench, cable);
+        let (tension, came_in) = pulled.unwrap();
+        println!("cable {}: {tension:.2} N, {:.1} mm", cable + 1, 1e3 * came_in[cable]);
+        assert!(came_in[cable] > 0.005 && came_in[cable] < 0.015, "{came_in:?}");
+        assert!(
+            (0..6).all(|i| i == cable || came_in[i].abs() < 1e-5 && most[i] == 0.0),
+            "{came_in:?} {most:?}"
+        );
+        assert!(most[cable] <= bench.bridge.config().slack.pretension, "{most:?}");
+        assert_eq!(bench.bridge.state(), State::Homing);
+        // It is still pressed, and nothing moves.
+        let refused = bench.bridge.operator(OperatorCommand::Pull(cable), bench.now);
+        assert_eq!(refused, Err(Refusal::StillPressed));
+        bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+        bench.run(0.5);
+    }
+}
+
+#[test]
+fn an_encoder_that_counts_backwards_and_exchanged_encoders_show_in_a_pull() {
+    let mut bench = survey(&["drive 2 counts-backwards"]);
+    let (pulled, _) = pull(&mut bench, 1);
+    assert!(pulled.unwrap().1[1] < -0.005, "{pulled:?}");
+}
+
+#[test]
+fn a_pull_ends_when_the_button_is_let_go_or_not_given_again() {
+    for release in [true, false] {
+        let mut bench = survey(&["cable 3 slack 0"]);
+        bench.bridge.operator(OperatorCommand::Pull(2), bench.now).unwrap();
+        bench.run(0.2);
+        assert_eq!(bench.bridge.state(), State::Trying);
+        if release {
+            bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+            bench.run(0.02);
+        } else {
+            bench.run(0.5);
+        }
+        assert_eq!(bench.bridge.state(), State::Homing);
+        assert_eq!(bench.rig.drives[2].tension(), 0.0);
+    }
+}
+
+#[test]
+fn a_pull_and_the_watchdogs_trial_are_refused_outside_of_a_survey() {
+    let mut bench = bench();
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.1);
+    for command in [
+        OperatorCommand::Pull(0),
+        OperatorCommand::TryWatchdog,
+        OperatorCommand::Placed(Pose::at(0.0, 0.0, 1.0)),
+    ] {
+        let refused = bench.bridge.operator(command, bench.now);
+        assert!(matches!(refused, Err(Refusal::State { .. })), "{refused:?}");
+    }
+}
+
+#[test]
+fn load_cells_of_slack_cables_are_read_in_the_mean() {
+    let mut bench = survey(&["cell 5 says 0.7"]);
+    bench.bridge.operator(OperatorCommand::Zero, bench.now).unwrap();
+    assert_eq!(bench.bridge.state(), State::Trying);
+    assert!(bench.run_until(State::Homing, 2.0), "{:?}", bench.events);
+    let zeroed = bench.events.iter().find_map(|(_, event)| match event {
+        Event::Zeroed(reading) => Some(*reading),
+        _ => None,
+    });
+    let expected = PerCable::from_fn(6, |i| if i == 4 { 0.7 } else { 0.0 });
+    let off = |i: usize| (zeroed.unwrap()[i] - expected[i]).abs();
+    assert!((0..6).all(|i| off(i) < 0.02), "{zeroed:?}");
+}
+
+#[test]
+fn drives_that_stop_without_the_bridge_pass_and_are_set_up_anew() {
+    let mut bench = survey(&[]);
+    bench.bridge.operator(OperatorCommand::TryWatchdog, bench.now).unwrap();
+    assert!(!bench.run_until(State::Fault, 2.0), "{:?}", bench.events);
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::WatchdogProved), "{:?}", bench.events);
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.5);
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+}
+
+#[test]
+fn a_drive_that_goes_on_without_the_bridge_is_named() {
+    let mut bench = survey(&["drive 4 ignores-watchdog"]);
+    bench.bridge.operator(OperatorCommand::TryWatchdog, bench.now).unwrap();
+    assert!(bench.run_until(State::Fault, 5.0), "{:?}", bench.events);
+    assert_eq!(bench.bridge.fault(), Some(Fault::WatchdogIgnored { node: 4 }));
+    bench.run(0.1);
+    assert!(bench.rig.drives.iter().all(|drive| drive.tension() == 0.0));
+}
+
+/// As if the bridge had been killed: not a frame.
+#[test]
+fn nothing_at_all_is_sent_while_the_watchdogs_are_tried() {
+    let mut bench = survey(&[]);
+    bench.bridge.operator(OperatorCommand::TryWatchdog, bench.now).unwrap();
+    let watchdog = bench.bridge.config().heartbeat.drive_watchdog;
+    let (mut quiet, mut longest) = (0, 0);
+    for _ in 0..500 {
+        bench.cycle();
+        quiet = if bench.sent().is_empty() { quiet + bench.bridge.config().period } else { 0 };
+        longest = longest.max(quiet);
+    }
+    assert!(longest >= 2 * watchdog, "{longest}");
+}

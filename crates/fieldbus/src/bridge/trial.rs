@@ -1,0 +1,224 @@
+//! Trials on the stand, in a survey only: one motor pulls a little; all drives lose the bridge. Nothing pulls outside of them, so what encoders and
+//! load cells say is not judged.
+
+use super::{Bridge, Cause, Event, Fault, FrameQueue, Mode, Refusal};
+use crate::Nanoseconds;
+use crate::canopen::{Node, SdoRequest, SdoResponse, SdoResult};
+use crate::cia402::{DriveState, STATUS_WORD};
+use cable_robot::robot::PerCable;
+
+/// A pull ends when a cable has moved by this share of `slack.most`.
+const TRAVEL: f64 = 0.1;
+/// Silence lasts so many times as long as the drives' watchdog.
+const SILENCE: u64 = 2;
+/// A status word is asked for so often, once a `timeouts.service`.
+const QUESTIONS: u64 = 3;
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Trial {
+    /// One drive pulls, from nothing to at most the pretension within a quarter of `slack.ramp`; the others are off.
+    Pull {
+        /// From 0.
+        cable: usize,
+        /// When the operator asked for it last.
+        given: Nanoseconds,
+        /// When the drive was led up, and all lengths then, m.
+        begun: Option<(Nanoseconds, PerCable<f64>)>,
+        since: Nanoseconds,
+    },
+    /// The mean of what load cells say of slack cables; no drive is on.
+    Zero {
+        since: Nanoseconds,
+        /// N, of so many cycles.
+        sum: PerCable<f64>,
+        cycles: u32,
+    },
+    /// All drives are led up, without torque.
+    WatchdogUp { since: Nanoseconds },
+    /// Nothing is sent, as if the bridge had been killed.
+    Silence { since: Nanoseconds },
+    /// The drives are asked for their status words; nothing else is sent still.
+    Asking { since: Nanoseconds, asked: Option<Nanoseconds>, status: PerCable<Option<u16>> },
+}
+
+impl Trial {
+    /// Whether the bridge is to seem dead.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Silence { .. } | Self::Asking { .. })
+    }
+
+    /// Whether drives are to be in Operation enabled, those of these cables among them.
+    pub fn leads_up(&self, cables: impl IntoIterator<Item = usize>) -> bool {
+        match self {
+            Self::Pull { cable, .. } => cables.into_iter().any(|i| i == *cable),
+            Self::WatchdogUp { .. } => true,
+            Self::Zero { .. } | Self::Silence { .. } | Self::Asking { .. } => false,
+        }
+    }
+}
+
+impl Bridge {
+    /// The motor of a cable (from 0) is to pull; asked again and again while it may.
+    pub(super) fn pull(&mut self, cable: usize, now: Nanoseconds) -> Result<(), Refusal> {
+        match &mut self.mode {
+            Mode::Trying(Trial::Pull { cable: pulling, given, .. }) if *pulling == cable => *given = now,
+            _ if self.is_home_stale => return Err(Refusal::StillPressed),
+            _ => {
+                self.may_be_led_up(cable).map_err(Refusal::NotYet)?;
+                self.enter(Mode::Trying(Trial::Pull { cable, given: now, begun: None, since: now }));
+            }
+        }
+        Ok(())
+    }
+
+    /// What load cells say while a person says that every cable is slack.
+    pub(super) fn zero(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
+        let silent = (0..self.cables()).find(|i| !self.cells[*i].is_alive(&self.config.limits));
+        if let Some(i) = silent {
+            return Err(Refusal::NotYet(Fault::LoadCellSilent { cable: i + 1 }));
+        }
+        let sum = PerCable::filled(self.cables(), 0.0);
+        self.enter(Mode::Trying(Trial::Zero { since: now, sum, cycles: 0 }));
+        Ok(())
+    }
+
+    /// Whether the drives stop by themselves when the bridge is gone.
+    pub(super) fn try_watchdog(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
+        (0..self.cables()).try_for_each(|cable| self.may_be_led_up(cable)).map_err(Refusal::NotYet)?;
+        self.enter(Mode::Trying(Trial::WatchdogUp { since: now }));
+        Ok(())
+    }
+
+    fn may_be_led_up(&self, cable: usize) -> Result<(), Fault> {
+        let (drive, node) = (&self.drives[cable], self.config.drives[cable].node);
+        match drive.state {
+            _ if !drive.encoder.is_alive(&self.config.limits) => {
+                Err(Fault::EncoderSilent { cable: cable + 1 })
+            }
+            Some(state) if state.is_faulted() => Err(Fault::DriveFault { node, state }),
+            _ => Ok(()),
+        }
+    }
+
+    /// What a trial pulls, N.
+    pub(super) fn trial_pull(&self, trial: &Trial) -> PerCable<f64> {
+        let mut tension = PerCable::filled(self.cables(), 0.0);
+        if let Trial::Pull { cable, begun: Some((begun, _)), .. } = *trial {
+            tension[cable] = self.config.slack.pretension * self.share(begun, self.config.slack.ramp / 4);
+        }
+        tension
+    }
+
+    /// The trial of this cycle.
+    pub(super) fn try_out(&mut self, trial: Trial, out: &mut FrameQueue) {
+        let waits = |since: Nanoseconds| self.time.saturating_sub(since);
+        match trial {
+            Trial::Pull { given, .. } if waits(given) > self.config.timeouts.enable => {
+                self.is_home_stale = true;
+                self.let_go(Cause::EnableExpired);
+            }
+            Trial::Pull { cable, given, begun: None, since } => {
+                if self.drives[cable].state == Some(DriveState::OperationEnabled) {
+                    let begun = Some((self.time, self.lengths()));
+                    self.mode = Mode::Trying(Trial::Pull { cable, given, begun, since });
+                } else if waits(since) > self.config.timeouts.drive {
+                    self.fail_drive_stuck(cable);
+                }
+            }
+            Trial::Pull { cable, begun: Some((begun, from)), .. } => self.watch_pull(cable, begun, &from),
+            Trial::Zero { since, sum, cycles } => {
+                let sum = PerCable::from_fn(self.cables(), |i| sum[i] + self.cells[i].tension());
+                let cycles = cycles + 1;
+                if waits(since) < self.config.slack.ramp / 4 {
+                    self.mode = Mode::Trying(Trial::Zero { since, sum, cycles });
+                } else {
+                    self.events.push(self.time, Event::Zeroed(sum.map(|sum| sum / f64::from(cycles))));
+                    self.enter(Mode::Homing { since: self.time });
+                }
+            }
+            Trial::WatchdogUp { since } => {
+                let is_up = |i: &usize| self.drives[*i].state == Some(DriveState::OperationEnabled);
+                match (0..self.cables()).find(|i| !is_up(i)) {
+                    None => self.mode = Mode::Trying(Trial::Silence { since: self.time }),
+                    Some(i) if waits(since) > self.config.timeouts.drive => self.fail_drive_stuck(i),
+                    Some(_) => {}
+                }
+            }
+            Trial::Silence { since } => {
+                if waits(since) >= SILENCE * self.config.heartbeat.drive_watchdog {
+                    let status = PerCable::filled(self.cables(), None);
+                    self.mode = Mode::Trying(Trial::Asking { since: self.time, asked: None, status });
+                }
+            }
+            Trial::Asking { since, asked, status } => self.ask_for_status(since, asked, status, out),
+        }
+    }
+
+    /// Ends a pull that has moved something, or cannot.
+    fn watch_pull(&mut self, cable: usize, begun: Nanoseconds, from: &PerCable<f64>) {
+        let lengths = self.lengths();
+        let came_in = PerCable::from_fn(self.cables(), |i| from[i] - lengths[i]);
+        let has_moved = came_in.iter().any(|way| way.abs() >= TRAVEL * self.config.slack.most);
+        let is_fast = self.drives[cable].encoder.rate.abs() > self.config.limits.cable_speed;
+        if has_moved || is_fast || self.time.saturating_sub(begun) > self.config.slack.ramp / 4 {
+            self.events.push(self.time, Event::Pulled { cable, tension: self.commanded[cable], came_in });
+            self.is_home_stale = true;
+            self.enter(Mode::Homing { since: self.time });
+        }
+    }
+
+    fn ask_for_status(
+        &mut self,
+        since: Nanoseconds,
+        asked: Option<Nanoseconds>,
+        status: PerCable<Option<u16>>,
+        out: &mut FrameQueue,
+    ) {
+        let service = self.config.timeouts.service;
+        let Some(missing) = (0..self.cables()).find(|i| status[*i].is_none()) else {
+            return self.judge_watchdog(&status);
+        };
+        if self.time.saturating_sub(since) > QUESTIONS * service {
+            let node = self.config.drives[missing].node;
+            return self.fail(Fault::NoAnswer { node, object: STATUS_WORD });
+        }
+        if asked.is_none_or(|asked| self.time.saturating_sub(asked) > service) {
+            for i in (0..self.cables()).filter(|i| status[*i].is_none()) {
+                let drive = &self.config.drives[i];
+                out.push(drive.bus, SdoRequest::Read(STATUS_WORD).frame(drive.node));
+            }
+            self.mode = Mode::Trying(Trial::Asking { since, asked: Some(self.time), status });
+        }
+    }
+
+    /// A drive that still is in Operation enabled would go on pulling. The others have faulted, and are set up anew.
+    fn judge_watchdog(&mut self, status: &PerCable<Option<u16>>) {
+        let pulls = |i: &usize| {
+            status[*i]
+                .and_then(DriveState::of_status)
+                .is_none_or(|state| state == DriveState::OperationEnabled)
+        };
+        match (0..self.cables()).find(pulls) {
+            Some(i) => self.fail(Fault::WatchdogIgnored { node: self.config.drives[i].node }),
+            None => {
+                self.events.push(self.time, Event::WatchdogProved);
+                self.reset();
+            }
+        }
+    }
+
+    /// Takes in a status word that was asked for.
+    pub(super) fn on_status(&mut self, bus: usize, node: Node, response: &SdoResponse) {
+        let Mode::Trying(Trial::Asking { status, .. }) = &mut self.mode else { return };
+        let found = match response.result {
+            SdoResult::Value(value) => value.bits as u16,
+            SdoResult::Unsized([low, high, ..]) => u16::from_le_bytes([low, high]),
+            SdoResult::Written | SdoResult::Aborted(_) => return,
+        };
+        let drive = self.config.drives.iter().position(|drive| (drive.bus, drive.node) == (bus, node));
+        if let (Some(i), true) = (drive, response.object == STATUS_WORD) {
+            status[i] = Some(found);
+        }
+    }
+}
