@@ -61,6 +61,14 @@ pub enum Fault {
         /// Where it is.
         state: DriveState,
     },
+    /// Another drive than the one that was commissioned.
+    #[error(
+        "drive {node} is another than was commissioned: vendor, product, revision or serial number (0x1018) differ"
+    )]
+    AnotherDrive {
+        /// Its address.
+        node: Node,
+    },
     /// A drive goes on when nobody commands it any more.
     #[error(
         "drive {node} still is in Operation enabled after the bridge was silent for twice heartbeat.drive_watchdog: killed, it would \
@@ -329,6 +337,7 @@ impl Fault {
             | ModeRefused { node, .. }
             | DriveStuck { node, .. }
             | WatchdogIgnored { node }
+            | AnotherDrive { node }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }
             | DriveDisobeys { node, .. }

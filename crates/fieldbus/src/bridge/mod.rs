@@ -20,6 +20,7 @@ mod watch;
 
 pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
+pub use startup::Identity;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 
 use course::Course;
@@ -168,6 +169,8 @@ pub struct Bridge {
     is_shutting_down: bool,
     /// Whether poses are measured with cables under pretension, and the controller is never enabled.
     is_survey: bool,
+    /// Who the drives are to be.
+    expected: Option<PerCable<Identity>>,
     /// Whether the operator let go since the controller was last enabled.
     is_released: bool,
     /// When home was last given, and whether it came too late, so that it must be released first.
@@ -222,6 +225,7 @@ impl Bridge {
             is_resetting_drives: false,
             is_shutting_down: false,
             is_survey: false,
+            expected: None,
             is_released: true,
             home_given: 0,
             is_home_stale: false,
@@ -243,6 +247,17 @@ impl Bridge {
     /// since whether the files are right is what is to be found out.
     pub fn survey(config: Config) -> Self {
         Self { is_survey: true, ..Self::new(config) }
+    }
+
+    /// The same, for these drives only: another one in the place of one of them is a fault once the nodes are set up.
+    #[must_use]
+    pub fn expecting(self, drives: PerCable<Identity>) -> Self {
+        Self { expected: Some(drives), ..self }
+    }
+
+    /// Who the drives say they are, once they are set up.
+    pub fn identities(&self) -> PerCable<Identity> {
+        PerCable::from_fn(self.cables(), |i| self.peers[i].startup.identity())
     }
 
     /// What it was made from.

@@ -212,10 +212,19 @@ impl Bridge {
             }
         }
         if self.peers.iter().all(|peer| peer.startup.is_done()) {
+            if let Some(i) = self.exchanged_drive() {
+                return self.fail(Fault::AnotherDrive { node: self.config.drives[i].node });
+            }
             self.is_running = true;
             self.peers.iter_mut().for_each(|peer| peer.heard = time);
             self.enter(Mode::Homing { since: time });
         }
+    }
+
+    /// A drive that is not the one expected.
+    fn exchanged_drive(&self) -> Option<usize> {
+        let (expected, found) = (self.expected?, self.identities());
+        (0..self.cables()).find(|i| expected[*i] != found[*i])
     }
 
     /// After a reset, and then only, drives are led out of Fault.

@@ -15,6 +15,11 @@ use crate::config::{Action, Config, Setting, Timeouts};
 use crate::frame::Frame;
 
 const DEVICE_TYPE: Object = Object::new(0x1000, 0);
+/// Index of vendor, product, revision and serial number (sub-indices 1 to 4).
+const IDENTITY: u16 = 0x1018;
+
+/// Vendor, product, revision and serial number (0x1018), as far as a node says them.
+pub type Identity = [Option<u32>; 4];
 
 /// How often an unanswered question is asked.
 const TRIES: u32 = 3;
@@ -39,6 +44,8 @@ enum Kind {
     Offer,
     /// Read until it is so.
     Await,
+    /// Read and noted, whatever it is, if there is such an object.
+    Note,
 }
 
 /// Where the node is.
@@ -64,6 +71,7 @@ pub(super) struct Startup {
     asked: Option<Nanoseconds>,
     tries: u32,
     boots: u32,
+    identity: Identity,
     /// When the phase began, or the first reading of what is awaited.
     since: Nanoseconds,
 }
@@ -74,6 +82,8 @@ impl Startup {
         let drive = &config.drives[cable];
         let watchdog = milliseconds(config.heartbeat.drive_watchdog);
         let mut script = vec![Step { mask: 0xFFFF, ..check(DEVICE_TYPE, Value::u32(DRIVE_PROFILE.into())) }];
+        let identity = (1..=4).map(|part| check(Object::new(IDENTITY, part), Value::u32(0)));
+        script.extend(identity.map(|step| Step { kind: Kind::Note, ..step }));
         script.push(write(object::consume_heartbeat(config.node, watchdog)));
         script.push(write(object::produce_heartbeat(milliseconds(config.heartbeat.period))));
         let receive = torque_mapping(config, cable);
@@ -112,7 +122,7 @@ impl Startup {
             let what = match kind {
                 Kind::Write => Use::Write(value),
                 Kind::Check | Kind::Await => Use::Read(value.width),
-                Kind::Offer => return [None, None],
+                Kind::Offer | Kind::Note => return [None, None],
             };
             [Some((object, what)), mapped(object, value).filter(|_| kind == Kind::Write)]
         };
@@ -120,7 +130,17 @@ impl Startup {
     }
 
     fn new(node: Node, script: Vec<Step>) -> Self {
-        Self { node, script, phase: Phase::Booting, at: 0, asked: None, tries: 0, boots: 0, since: 0 }
+        Self {
+            node,
+            script,
+            phase: Phase::Booting,
+            at: 0,
+            asked: None,
+            tries: 0,
+            boots: 0,
+            identity: Identity::default(),
+            since: 0,
+        }
     }
 
     /// From the beginning.
@@ -132,6 +152,11 @@ impl Startup {
     /// Operational, as set up.
     pub fn is_done(&self) -> bool {
         self.phase == Phase::Done
+    }
+
+    /// Who it says it is, once it is set up.
+    pub fn identity(&self) -> Identity {
+        self.identity
     }
 
     fn enter(&mut self, phase: Phase, now: Nanoseconds) {
@@ -224,7 +249,7 @@ impl Startup {
         let phase = match self.script.get(self.at).map(|step| step.kind) {
             None => Phase::Starting,
             Some(Kind::Write | Kind::Offer) => Phase::Writing,
-            Some(Kind::Check | Kind::Await) => Phase::Reading,
+            Some(Kind::Check | Kind::Await | Kind::Note) => Phase::Reading,
         };
         self.enter(phase, now);
     }
@@ -250,6 +275,10 @@ impl Startup {
                 self.next_step(now);
                 Ok(())
             }
+            (Phase::Reading, SdoResult::Aborted(_)) if step.kind == Kind::Note => {
+                self.next_step(now);
+                Ok(())
+            }
             (Phase::Writing | Phase::Reading, SdoResult::Aborted(code)) => {
                 Err(Fault::Refused { node: self.node, object: step.object, code })
             }
@@ -272,6 +301,11 @@ impl Startup {
         now: Nanoseconds,
         timeouts: &Timeouts,
     ) -> Result<(), Fault> {
+        if step.kind == Kind::Note {
+            self.identity[usize::from(step.object.subindex) - 1] = Some(found);
+            self.next_step(now);
+            return Ok(());
+        }
         let expected = step.value.bits;
         if (found ^ expected) & step.mask == 0 {
             self.next_step(now);
@@ -288,7 +322,7 @@ impl Startup {
                 Ok(())
             }
             Kind::Await => Err(Fault::ModeRefused { node: self.node, found: found as i8 }),
-            Kind::Write | Kind::Offer | Kind::Check => {
+            Kind::Write | Kind::Offer | Kind::Check | Kind::Note => {
                 Err(Fault::Different { node: self.node, object: step.object, expected, found })
             }
         }
@@ -354,6 +388,7 @@ mod tests {
         let (mut startup, timeouts) = startup();
         let (mut asked, mut stored) = (vec![], vec![(Object::new(0x1000, 0), Value::u32(0x0002_0192))]);
         stored.push((Object::new(0x6076, 0), Value::u32(1000)));
+        (1..=4).for_each(|part| stored.push((Object::new(IDENTITY, part), Value::u32(part.into()))));
         for k in 0..100_000 {
             let now = k * 4 * MS;
             let Some(frame) = startup.next(now, &timeouts)? else {

@@ -75,6 +75,11 @@ impl SimulatedDrive {
         let drive = &config.drives[cable];
         let mut objects = vec![
             (Object::new(0x1000, 0), Value::u32(0x0002_0000 | u32::from(DRIVE_PROFILE)), false),
+            // Vendor (none of those that are assigned), product, revision, serial number.
+            (Object::new(0x1018, 1), Value::u32(0), false),
+            (Object::new(0x1018, 2), Value::u32(402), false),
+            (Object::new(0x1018, 3), Value::u32(1), false),
+            (Object::new(0x1018, 4), Value::u32(1000 + u32::from(drive.node)), false),
             (CONTROL_WORD, Value::u16(0), true),
             (STATUS_WORD, Value::u16(0), false),
             (MODE, Value::u8(0), true),

@@ -138,3 +138,20 @@ fn nothing_at_all_is_sent_while_the_watchdogs_are_tried() {
     }
     assert!(longest >= 2 * watchdog, "{longest}");
 }
+
+#[test]
+fn a_drive_that_was_exchanged_after_commissioning_is_found_before_any_torque() {
+    let identities = survey(&[]).bridge.identities();
+    assert_eq!(identities[2], [Some(0), Some(402), Some(1), Some(1003)]);
+    for exchanged in [false, true] {
+        let mut expected = identities;
+        if exchanged {
+            expected[2][3] = Some(77);
+        }
+        let mut bench = bench();
+        bench.bridge = Bridge::new(bench.bridge.config().clone()).expecting(expected);
+        let state = if exchanged { State::Fault } else { State::Homing };
+        assert!(bench.run_until(state, 20.0), "{:?}", bench.events);
+        assert_eq!(bench.bridge.fault(), exchanged.then_some(Fault::AnotherDrive { node: 3 }));
+    }
+}
