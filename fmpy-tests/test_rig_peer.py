@@ -69,7 +69,7 @@ class Session:
     """A running bridge, its operator, and what it says."""
 
     def __init__(self, rig: Path, device: str):
-        command = [PROGRAM, rig, "--bus", f"can0=slcan:{device}", "--status", "-", "--no-realtime"]
+        command = [PROGRAM, rig, "--bus", f"can0=slcan:{device}", "--status", "-", "--no-realtime", "--uncommissioned"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=rig.parent, stdin=pipe, stdout=pipe, stderr=pipe, text=True, bufsize=1)
         self.status, self.log = {}, []

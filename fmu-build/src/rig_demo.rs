@@ -59,7 +59,7 @@ pub fn run(wishes: &Wishes) -> Result<()> {
         .current_dir(&root)
         .arg(&rig_file)
         .args(["--controller", "target/fmu/fmi3/CableRobotController.fmu"])
-        .args(["--bus", &address, "--scenario", SCENARIO, "--status", "-", "--record"])
+        .args(["--bus", &address, "--scenario", SCENARIO, "--status", "-", "--uncommissioned", "--record"])
         .arg(&folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

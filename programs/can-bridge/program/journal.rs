@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use cable_robot_fieldbus::bridge::{Cause, Event};
-use cable_robot_fieldbus::{Config, Nanoseconds, State};
+use cable_robot_fieldbus::{Config, Nanoseconds};
 use rtrb::{Consumer, RingBuffer};
 use serde_json::json;
 
@@ -99,18 +99,10 @@ impl Writer {
         if let Some((time, text)) = message(entry) {
             self.say(time, &text);
         }
-        let guided = match (entry, &self.survey) {
-            (Entry::Event(time, Event::Placed(pose, lengthening)), Some(survey)) => {
-                Some((*time, survey.take(*pose, *lengthening)))
-            }
-            (Entry::Event(time, Event::Zeroed(reading)), Some(survey)) => {
-                Some((*time, survey.advice(reading)))
-            }
-            (Entry::Event(time, Event::Entered(State::Ready)), Some(survey)) => Some((*time, survey.next())),
-            _ => None,
-        };
-        if let Some((time, text)) = guided {
-            self.say(time, &text);
+        if let (Entry::Event(time, event), Some(survey)) = (entry, &self.survey)
+            && let Some(text) = survey.follow(event)
+        {
+            self.say(*time, &text);
         }
         if let Entry::Lost(count) = entry {
             self.is_whole = false;

@@ -7,12 +7,13 @@
 //! | `inputs.csv` | what else entered: the cycle it came before, and what it was |
 //! | `cycles.csv` | a row a cycle |
 
-use cable_robot_fieldbus::bridge::{CycleReport, TransportError};
+use cable_robot::robot::PerCable;
+use cable_robot_fieldbus::bridge::{CycleReport, Identity, TransportError};
 use cable_robot_fieldbus::candump::{Line, parse_frame};
 use cable_robot_fieldbus::{Config, Nanoseconds};
 
 use super::Purpose;
-use super::controller::Identity;
+use super::controller;
 use super::entry::{Cycle, Input, OnBus};
 use super::operator;
 
@@ -22,21 +23,45 @@ pub const FRAMES: &str = "frames.log";
 pub const INPUTS: &str = "inputs.csv";
 pub const CYCLES: &str = "cycles.csv";
 
-/// What [`INPUTS`] says of a session that was no plain run.
-const PURPOSES: [(Purpose, &str); 2] = [(Purpose::DryRun, "dry-run"), (Purpose::Survey, "survey")];
+const DRY_RUN: &str = "dry-run";
+const SURVEY: &str = "survey";
+/// And then vendor.product.revision.serial of each drive, - for what it does not say.
+const COMMISSIONED: &str = "commissioned";
 
-/// Nothing for a plain run.
-pub fn purpose_text(purpose: Purpose) -> Option<&'static str> {
-    PURPOSES.iter().find(|(known, _)| *known == purpose).map(|(_, text)| *text)
+/// What [`INPUTS`] says of what the session was for; nothing for a run with whatever drives there are.
+pub fn purpose_text(purpose: &Purpose) -> Option<String> {
+    let number = |part: &Option<u32>| part.map_or("-".to_owned(), |part| part.to_string());
+    let identity = |identity: &Identity| identity.each_ref().map(number).join(".");
+    match purpose {
+        Purpose::Run(None) => None,
+        Purpose::Run(Some(drives)) => {
+            Some(drives.iter().fold(COMMISSIONED.to_owned(), |text, drive| text + " " + &identity(drive)))
+        }
+        Purpose::DryRun => Some(DRY_RUN.to_owned()),
+        Purpose::Survey => Some(SURVEY.to_owned()),
+    }
 }
 
-/// Reads what [`purpose_text`] wrote.
-pub fn parse_purpose(text: &str) -> Option<Purpose> {
-    PURPOSES.iter().find(|(_, known)| *known == text).map(|(purpose, _)| *purpose)
+/// Reads what [`purpose_text`] wrote for a rig of so many cables.
+pub fn parse_purpose(text: &str, cables: usize) -> Option<Purpose> {
+    let number = |part: &str| if part == "-" { Some(None) } else { part.parse().ok().map(Some) };
+    let identity = |word: &str| -> Option<Identity> {
+        word.split('.').map(number).collect::<Option<Vec<_>>>()?.try_into().ok()
+    };
+    match text {
+        DRY_RUN => Some(Purpose::DryRun),
+        SURVEY => Some(Purpose::Survey),
+        _ => {
+            let drives: Option<Vec<_>> =
+                text.strip_prefix(COMMISSIONED)?.split_whitespace().map(identity).collect();
+            let drives = drives.filter(|drives| drives.len() == cables)?;
+            Some(Purpose::Run(Some(PerCable::from_slice(&drives)?)))
+        }
+    }
 }
 
 /// What [`INPUTS`] says first: which controller it was.
-pub fn controller_text(identity: &Identity) -> String {
+pub fn controller_text(identity: &controller::Identity) -> String {
     format!("{CONTROLLER}{identity}")
 }
 
@@ -216,6 +241,19 @@ mod tests {
         }
         for time in [0, 1_000, 999_999_000, 12_345_678_000] {
             assert_eq!(parse_seconds(&seconds(time)), Ok(time));
+        }
+    }
+
+    #[test]
+    fn what_a_session_was_for_comes_back_as_it_was_written() {
+        let drives = PerCable::from_fn(6, |i| [Some(1), None, Some(u32::MAX), Some(i as u32)]);
+        for purpose in [Purpose::DryRun, Purpose::Survey, Purpose::Run(Some(drives))] {
+            let text = purpose_text(&purpose).unwrap();
+            assert_eq!(parse_purpose(&text, 6), Some(purpose), "{text}");
+        }
+        assert_eq!(purpose_text(&Purpose::Run(None)), None);
+        for text in ["home", "commissioned", "commissioned 1.2.3.4", "commissioned 1.2.3 1.2.3 1 1 1 1"] {
+            assert_eq!(parse_purpose(text, 6), None, "{text}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Arguments, exit codes, and which of its tasks the program does.
 
 mod check;
+mod commissioned;
 mod controller;
 mod data_sheet;
 mod entry;
@@ -27,12 +28,14 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
-use cable_robot_fieldbus::bridge::Bridge;
+use cable_robot::robot::PerCable;
+use cable_robot_fieldbus::bridge::{Bridge, Identity};
 use cable_robot_fieldbus::transport;
 use cable_robot_fieldbus::{Config, Files, bus_load, export};
 use cable_robot_programs::errors;
 use clap::Parser;
 
+use commissioned::Record;
 use controller::BridgeController;
 use data_sheet::SheetOf;
 use journal::Journal;
@@ -45,7 +48,7 @@ Exit codes: 0 ended as asked, check or replay in order; 1 error; 2 wrong usage; 
 4 the replay gives other commands than the recording; 5 ended after a fault, or the
 drives do not confirm that they are off; 6 the torque was cut off at once (second
 signal, or a failure of the program itself); 7 ended as asked, but the recording or the status stream is not whole;
-8 the survey is not whole, or blames the files.
+8 commissioning is not whole, or blames the files.
 Example: can-bridge rigs/can/akd.toml --bus can0=slcan:/dev/ttyACM0 --record run";
 
 /// The controller against the drives and load cells of a rig on a CAN bus
@@ -86,6 +89,9 @@ struct Arguments {
     /// Writes the status for machines, a JSON object a line, into this file; - is stdout
     #[arg(long, value_name = "FILE")]
     status: Option<PathBuf>,
+    /// Moves the rig although its commissioning record is missing or is of other files, and says what was skipped
+    #[arg(long, conflicts_with = "survey")]
+    uncommissioned: bool,
     /// Leaves scheduling and memory as they are
     #[arg(long)]
     no_realtime: bool,
@@ -95,9 +101,10 @@ struct Arguments {
 }
 
 /// What the bridge is run for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Purpose {
-    Run,
+    /// With these drives, if they were commissioned.
+    Run(Option<PerCable<Identity>>),
     DryRun,
     Survey,
 }
@@ -105,7 +112,8 @@ enum Purpose {
 impl Purpose {
     fn bridge(self, config: &Config) -> Bridge {
         match self {
-            Self::Run => Bridge::new(config.clone()),
+            Self::Run(None) => Bridge::new(config.clone()),
+            Self::Run(Some(drives)) => Bridge::new(config.clone()).expecting(drives),
             Self::DryRun => Bridge::shadow(config.clone()),
             Self::Survey => Bridge::survey(config.clone()),
         }
@@ -162,7 +170,7 @@ fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(folder) = &arguments.replay {
         return replay::run(folder, arguments.controller.as_deref());
     }
-    let files = Files::read(arguments.fieldbus.as_deref().unwrap_or(Path::new("")))?;
+    let files = Files::read(fieldbus(arguments))?;
     let config = &files.config;
     for (name, _) in &arguments.bus {
         let known: Vec<_> = config.buses.iter().map(|bus| bus.name.as_str()).collect();
@@ -204,7 +212,7 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
     let purpose = match arguments.survey {
         _ if arguments.dry_run => Purpose::DryRun,
         Some(_) => Purpose::Survey,
-        None => Purpose::Run,
+        None => Purpose::Run(commissioned_drives(arguments, config)?),
     };
     let survey = arguments.survey.map(|accuracy| Arc::new(Survey::new(config, accuracy)));
     let mut links = vec![];
@@ -228,17 +236,45 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
     let mut session =
         Session::new(purpose.bridge(config), &mut controller, links, teller, commands, stop, goals);
     let end = session.run();
+    let drives = session.drives();
     drop(session);
     let whole = journal.join();
-    let verdict = survey.map(|survey| survey.verdict());
-    verdict.iter().for_each(|(text, _)| say(text));
+    let is_commissioned = match &survey {
+        Some(survey) => survey.conclude(fieldbus(arguments), config, &drives)?,
+        None => true,
+    };
     Ok(match end {
         End::CutOff => Outcome::CutOff,
         End::Faulted => Outcome::Faulted,
         End::Asked if !whole => Outcome::Incomplete,
-        End::Asked if verdict.is_some_and(|(_, is_good)| !is_good) => Outcome::Blamed,
+        End::Asked if !is_commissioned => Outcome::Blamed,
         End::Asked => Outcome::Done,
     })
+}
+
+fn fieldbus(arguments: &Arguments) -> &Path {
+    arguments.fieldbus.as_deref().unwrap_or(Path::new(""))
+}
+
+/// The drives that were commissioned; nothing if the rig was not, and somebody takes that on himself.
+fn commissioned_drives(arguments: &Arguments, config: &Config) -> Result<Option<PerCable<Identity>>> {
+    if arguments.uncommissioned {
+        let missing = Record::read(fieldbus(arguments)).map(|record| record.missing(config).join(", "));
+        let missing = missing.unwrap_or_else(|error| format!("{error:#}"));
+        if !missing.is_empty() {
+            say(format_args!("can-bridge: NOT COMMISSIONED, skipped: {missing}"));
+        }
+        return Ok(None);
+    }
+    let record = Record::read(fieldbus(arguments))?;
+    let missing = record.missing(config);
+    ensure!(
+        missing.is_empty(),
+        "the rig is not commissioned: {} missing: {}; --survey goes through it (docs/commissioning.md), --uncommissioned goes on without",
+        if missing.len() == 1 { "a step is" } else { "steps are" },
+        missing.join(", ")
+    );
+    Ok(record.drives())
 }
 
 fn bus_address(text: &str) -> Result<(String, String), String> {

@@ -25,7 +25,7 @@ const QUEUE: usize = 256;
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
 
-const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
+const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(
@@ -88,6 +88,9 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
             None => held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Release),
             // In Ready nothing is held any more: the platform is in the person's hands.
+            Some(_) if key[0] == b'y' && survey.is_some() => {
+                survey.into_iter().for_each(|survey| say(survey.confirm()));
+            }
             Some(_) if key[0] == b'z' && survey.is_some() => tell(OperatorCommand::Zero),
             Some(_) if key[0] == b'w' && survey.is_some() => tell(OperatorCommand::TryWatchdog),
             Some(_) if key[0] == b'p' && survey.is_some() => {
@@ -155,6 +158,10 @@ fn lines(mut queue: Producer<OperatorCommand>, survey: Option<&Survey>) {
 /// What a line asks; `placed` alone is at the pose that the survey asks for.
 fn command_of(line: &str, survey: Option<&Survey>) -> Result<Option<OperatorCommand>, String> {
     match survey {
+        Some(survey) if line.trim_ascii() == "yes" => {
+            say(format_args!("can-bridge: {}", survey.confirm()));
+            Ok(None)
+        }
         Some(survey) if line.trim_ascii() == "placed" => Ok(survey.asked().map(OperatorCommand::Placed)),
         _ => command(line),
     }

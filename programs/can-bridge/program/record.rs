@@ -89,8 +89,8 @@ impl Recording {
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
         inputs.write_record(["cycle", "input"])?;
         inputs.write_record(["0", &log::controller_text(controller.identity())])?;
-        if let Some(text) = log::purpose_text(purpose) {
-            inputs.write_record(["0", text])?;
+        if let Some(text) = log::purpose_text(&purpose) {
+            inputs.write_record(["0", &text])?;
         }
         let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
         cycles.write_record(log::columns(config.rig.cables.len()))?;

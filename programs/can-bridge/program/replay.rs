@@ -213,7 +213,8 @@ impl Inputs {
         let text = read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let mut rows = csv::Reader::from_reader(whole.as_bytes());
-        let mut read = Self { controller: None, purpose: Purpose::Run, inputs: VecDeque::new(), gap: None };
+        let mut read =
+            Self { controller: None, purpose: Purpose::Run(None), inputs: VecDeque::new(), gap: None };
         let mut last = 0;
         for (k, row) in rows.deserialize().enumerate() {
             let place = || format!("{}: line {}", path.display(), k + 2);
@@ -222,16 +223,17 @@ impl Inputs {
             last = cycle;
             match text.as_str() {
                 log::GAP => _ = read.gap.get_or_insert(cycle),
-                text if log::parse_purpose(text).is_some() => {
-                    read.purpose = log::parse_purpose(text).unwrap_or(read.purpose);
-                }
-                text => match text.strip_prefix(log::CONTROLLER) {
-                    Some(identity) => read.controller = Some(identity.to_owned()),
-                    None => {
-                        let input = log::parse_input(config, text).map_err(|reason| anyhow!(reason));
-                        read.inputs.push_back((cycle, input.with_context(place)?));
+                text => {
+                    match (text.strip_prefix(log::CONTROLLER), log::parse_purpose(text, config.drives.len()))
+                    {
+                        (Some(identity), _) => read.controller = Some(identity.to_owned()),
+                        (None, Some(purpose)) => read.purpose = purpose,
+                        (None, None) => {
+                            let input = log::parse_input(config, text).map_err(|reason| anyhow!(reason));
+                            read.inputs.push_back((cycle, input.with_context(place)?));
+                        }
                     }
-                },
+                }
             }
         }
         Ok(read)

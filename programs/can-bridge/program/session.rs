@@ -4,8 +4,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use cable_robot::robot::PerCable;
 use cable_robot::sim::{ControllerModel, Goal};
-use cable_robot_fieldbus::bridge::{Bridge, CycleReport, Refusal, TransportError};
+use cable_robot_fieldbus::bridge::{Bridge, CycleReport, Identity, Refusal, TransportError};
 use cable_robot_fieldbus::canopen::{TPDO1, sync};
 use cable_robot_fieldbus::transport::{LinkError, Received, Transport, now};
 use cable_robot_fieldbus::{Frame, FrameQueue, Nanoseconds, OperatorCommand, State};
@@ -104,6 +105,11 @@ impl<'a> Session<'a> {
                 return end;
             }
         }
+    }
+
+    /// Who the drives said they are.
+    pub fn drives(&self) -> PerCable<Identity> {
+        self.bridge.identities()
     }
 
     /// Waits for the time of the next cycle, and goes through it. A failure of the program itself leads to the safe output; a second

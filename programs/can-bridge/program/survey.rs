@@ -1,10 +1,22 @@
 //! `--survey`: which poses to place the platform at, what was measured there, and what that says of the files.
 
+use std::path::Path;
 use std::sync::Mutex;
 
+use anyhow::Result;
 use cable_robot::robot::{PerCable, Pose};
-use cable_robot_fieldbus::Config;
+use cable_robot_fieldbus::bridge::{Event, Identity};
 use cable_robot_fieldbus::commission::{Accuracy, NEEDED, Placement, Plan, Quantity, Verdict, World};
+use cable_robot_fieldbus::{Config, State};
+
+use super::commissioned::{self, Record, Step};
+use super::terminal::say;
+
+/// An encoder that moved by less did not move, m.
+const NOTHING: f64 = 1e-4;
+
+/// What a load cell may say of a slack cable, as a share of `limits.disagreement`, which is for friction as well.
+const SHARE_AT_REST: f64 = 0.25;
 
 /// What is asked for, and what was measured so far. Operator and journal have it in common, the loop knows nothing of it.
 pub struct Survey {
@@ -14,6 +26,9 @@ pub struct Survey {
     /// What a load cell may say of a slack cable, N.
     most_at_rest: f64,
     measured: Mutex<Vec<Placement>>,
+    /// Steps that were passed, and the pull that waits for what a person saw.
+    passed: Mutex<Vec<Step>>,
+    pulled: Mutex<Option<usize>>,
 }
 
 impl Survey {
@@ -26,14 +41,88 @@ impl Survey {
             accuracy,
             most_at_rest: config.limits.disagreement,
             measured: Mutex::new(vec![]),
+            passed: Mutex::new(vec![]),
+            pulled: Mutex::new(None),
         }
     }
 
+    /// Takes in what the bridge says, and says what is to be done; nothing where that is clear.
+    pub fn follow(&self, event: &Event) -> Option<String> {
+        match event {
+            Event::Entered(State::Homing) => Some(self.open_steps()),
+            Event::Entered(State::Ready) => Some(self.next()),
+            Event::Placed(pose, lengthening) => Some(self.take(*pose, *lengthening)),
+            Event::Zeroed(reading) => Some(self.advice(reading)),
+            Event::WatchdogProved => {
+                self.pass(Step::Watchdog);
+                None
+            }
+            Event::Pulled { cable, came_in, .. } => {
+                let is_right = farthest(came_in) == (*cable, true);
+                *self.pulled.lock().ok()? = is_right.then_some(*cable);
+                is_right.then(|| format!("yes (key y) if you saw cable {} come in, and no other", cable + 1))
+            }
+            _ => None,
+        }
+    }
+
+    /// A person saw what the last pull was to show.
+    pub fn confirm(&self) -> String {
+        match self.pulled.lock().ok().and_then(|mut pulled| pulled.take()) {
+            Some(cable) => {
+                self.pass(Step::Pull(cable));
+                format!("motor and encoder of cable {} are its own; {}", cable + 1, self.open_steps())
+            }
+            None => "yes to what? no pull waits for it".to_owned(),
+        }
+    }
+
+    fn pass(&self, step: Step) {
+        self.passed.lock().iter_mut().for_each(|passed| passed.push(step));
+    }
+
+    fn passed(&self) -> Vec<Step> {
+        self.passed.lock().map_or(vec![], |passed| passed.clone())
+    }
+
+    fn open_steps(&self) -> String {
+        let passed = self.passed();
+        let open = Step::all(self.file.scale.len()).into_iter().filter(|step| !passed.contains(step));
+        format!("not done in this session: {}", open.map(Step::name).collect::<Vec<_>>().join(", "))
+    }
+
+    /// The verdict, and the steps passed into the record. Whether the rig is commissioned now.
+    pub fn conclude(&self, fieldbus: &Path, config: &Config, drives: &PerCable<Identity>) -> Result<bool> {
+        let (text, is_good) = self.verdict();
+        say(text);
+        if is_good {
+            self.pass(Step::Poses);
+        }
+        let (mut record, passed) = (Record::read(fieldbus)?, self.passed());
+        if !passed.is_empty() {
+            record.note(&passed, config, drives);
+            record.write(fieldbus)?;
+            say(format_args!("can-bridge: {} written", commissioned::path(fieldbus).display()));
+        }
+        let missing = record.missing(config);
+        if !missing.is_empty() {
+            say(format_args!("can-bridge: still to be commissioned: {}", missing.join(", ")));
+        }
+        Ok(missing.is_empty())
+    }
+
     /// What to do about what load cells say of slack cables.
-    pub fn advice(&self, reading: &PerCable<f64>) -> String {
+    fn advice(&self, reading: &PerCable<f64>) -> String {
         match reading.iter().position(|reading| reading.abs() > self.most_at_rest) {
             Some(i) => format!("is cable {} slack? its cell is off by more than limits.disagreement", i + 1),
-            None => "take these off each offset of the fieldbus file".to_owned(),
+            None => {
+                let is_small = |reading: &f64| reading.abs() <= SHARE_AT_REST * self.most_at_rest;
+                if reading.iter().all(is_small) {
+                    self.pass(Step::Zero);
+                    return "load cells are zero enough".to_owned();
+                }
+                "take these off each offset of the fieldbus file; then zero again".to_owned()
+            }
         }
     }
 
@@ -44,7 +133,7 @@ impl Survey {
     }
 
     /// Takes in what was measured, and says what comes next.
-    pub fn take(&self, pose: Pose, lengthening: PerCable<f64>) -> String {
+    fn take(&self, pose: Pose, lengthening: PerCable<f64>) -> String {
         if let Ok(mut measured) = self.measured.lock() {
             measured.push(Placement { pose, lengthening });
         }
@@ -52,7 +141,7 @@ impl Survey {
     }
 
     /// What a person is to do.
-    pub fn next(&self) -> String {
+    fn next(&self) -> String {
         match self.asked() {
             Some(pose) => format!("put the platform at {}, let it rest, then placed (key p)", at(&pose)),
             None => "every pose was measured: shutdown (key q) ends with the verdict".to_owned(),
@@ -93,7 +182,7 @@ impl Survey {
     }
 
     /// What was found, and whether the files may be trusted: every pose was measured, and nothing else explains the lengths better.
-    pub fn verdict(&self) -> (String, bool) {
+    fn verdict(&self) -> (String, bool) {
         let measured = self.measured.lock().map_or(vec![], |measured| measured.clone());
         let poses = self.plan.poses.len();
         if measured.len() < poses {
@@ -146,9 +235,14 @@ pub fn pulled_text(cable: usize, tension: f64, came_in: &PerCable<f64>) -> Strin
             format!("the encoder of cable {} says {way:+.1} mm, not its own: exchanged", farthest + 1)
         }
     };
-    format!(
-        "the motor of cable {number} pulled {tension:.2} N: {shown}; did you see cable {number} come in, and no other?"
-    )
+    format!("the motor of cable {number} pulled {tension:.2} N: {shown}")
+}
+
+/// The cable whose encoder moved farthest, and whether it came in.
+fn farthest(came_in: &PerCable<f64>) -> (usize, bool) {
+    let farther = |far: usize, i: usize| if came_in[i].abs() > came_in[far].abs() { i } else { far };
+    let farthest = (0..came_in.len()).fold(0, farther);
+    (farthest, came_in[farthest] > NOTHING)
 }
 
 /// A pose for people, m and degrees.
@@ -199,6 +293,8 @@ mod tests {
     fn a_load_cell_that_says_much_of_a_slack_cable_is_not_to_be_zeroed() {
         let survey = Survey::new(&config(), (0.001, 0.002));
         let mut reading = PerCable::filled(6, 0.2);
+        assert!(survey.advice(&reading).contains("zero enough") && survey.passed() == [Step::Zero]);
+        reading[1] = 1.0;
         assert!(survey.advice(&reading).contains("take these off"));
         reading[3] = -40.0;
         assert!(survey.advice(&reading).contains("is cable 4 slack?"));

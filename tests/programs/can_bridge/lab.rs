@@ -159,6 +159,16 @@ impl Program {
     }
 
     pub fn start_telling(stderr: Stdio, folder: TempDir, device: &Path, more: &[&str]) -> Self {
+        Self::start_as(stderr, folder, device, &[&["--uncommissioned"], more].concat())
+    }
+
+    /// A rig that is to be commissioned, or was.
+    pub fn start_commissioned(folder: TempDir, device: &Path, more: &[&str]) -> Self {
+        let stderr = fs::File::create(folder.path().join("stderr")).unwrap();
+        Self::start_as(stderr.into(), folder, device, more)
+    }
+
+    fn start_as(stderr: Stdio, folder: TempDir, device: &Path, more: &[&str]) -> Self {
         let rig = folder.path().join("rig.toml");
         fs::write(&rig, rig_text()).unwrap();
         let mut child = Command::new(env!("CARGO_BIN_EXE_can-bridge"))

@@ -276,7 +276,7 @@ fn an_output_that_nobody_reads_stops_neither_the_recording_nor_the_end() {
         .arg(&rig)
         .arg(format!("--bus=can0=slcan:{}", lab.device.display()))
         .arg(format!("--record={}", run.display()))
-        .args(["--status", "-"])
+        .args(["--status", "-", "--uncommissioned"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

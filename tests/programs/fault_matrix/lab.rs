@@ -74,7 +74,7 @@ impl Lab {
         let mut bridge = Command::new(env!("CARGO_BIN_EXE_can-bridge"))
             .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
             .arg(&rig_file)
-            .args(["--bus", &address, "--status", "-", "--record"])
+            .args(["--bus", &address, "--status", "-", "--uncommissioned", "--record"])
             .arg(&record)
             .args(["--controller", setup.fmu.as_deref().unwrap_or(PACKED)])
             .stdin(Stdio::piped())
