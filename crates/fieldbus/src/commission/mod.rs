@@ -4,6 +4,7 @@
 mod doubt;
 #[cfg(test)]
 mod first_day;
+mod fit;
 mod mistake;
 mod poses;
 mod quantity;
@@ -14,6 +15,7 @@ mod verdict;
 mod world;
 
 pub use doubt::Doubt;
+pub use fit::Fitted;
 pub use mistake::{Frame, Mistake};
 pub use poses::Plan;
 pub use quantity::Quantity;

@@ -38,9 +38,11 @@ fn measure(truth: &World, poses: &[Pose], accuracy: &Accuracy, random: &mut Pcg6
 
 /// Whether a doubt is among the explanations.
 fn is_named(verdict: &Verdict, doubt: &Doubt) -> bool {
-    verdict.explanations.iter().any(|explanation| match (explanation, doubt) {
-        (Explanation::Mistake(named), Doubt::Mistake(true_one)) => named == true_one,
-        (Explanation::Quantity { quantity, .. }, Doubt::Quantity(true_one, _)) => quantity == true_one,
+    verdict.explanations.iter().any(|explanation| match (&explanation.quantities[..], doubt) {
+        ([], Doubt::Mistake(true_one)) => explanation.mistake == Some(*true_one),
+        ([fitted], Doubt::Quantity(true_one, _)) => {
+            explanation.mistake.is_none() && fitted.quantity == *true_one
+        }
         _ => false,
     })
 }
@@ -106,7 +108,41 @@ fn a_move_straight_down_cannot_tell_a_mirrored_numbering() {
 }
 
 #[test]
-fn two_things_wrong_are_not_explained_by_one() {
+fn several_things_that_are_wrong_together_are_named_together() {
+    let config = parse(AKD).unwrap();
+    let file = World::of(&config);
+    let accuracy = accuracies(&config)[0];
+    let plan = Plan::new(&config, &accuracy);
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let mut judge = |truth: World| {
+        let verdict = Verdict::new(&file, &measure(&truth, &plan.poses, &accuracy, &mut random), &accuracy);
+        println!("{}", verdict.explanations[0]);
+        assert!(verdict.is_explained && !verdict.is_good(), "{verdict:?}");
+        verdict.explanations
+    };
+    let names = |explanation: &Explanation| {
+        explanation.quantities.iter().map(|fitted| fitted.quantity).collect::<Vec<_>>()
+    };
+    let exchanged = Mistake::Exchanged(0, 1);
+    let explained = judge(Quantity::Home(0).truth(&exchanged.truth(&file), 0.05));
+    assert!(
+        explained.iter().any(|e| e.mistake == Some(exchanged) && names(e) == [Quantity::Home(0)]),
+        "{explained:?}"
+    );
+    let radius = Quantity::Winding(None);
+    let explained = judge(Quantity::Home(1).truth(&radius.truth(&file, 0.2), 0.05));
+    assert!(
+        explained.iter().any(|e| e.mistake.is_none()
+            && names(e).len() == 2
+            && names(e).contains(&radius)
+            && names(e).contains(&Quantity::Home(1))),
+        "{explained:?}"
+    );
+}
+
+/// An exchange and a sign of another cable: no quantity is either.
+#[test]
+fn two_mistakes_together_are_found_and_not_called_explained() {
     let config = parse(AKD).unwrap();
     let file = World::of(&config);
     let accuracy = accuracies(&config)[0];

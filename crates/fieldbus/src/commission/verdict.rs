@@ -4,14 +4,14 @@ use std::fmt;
 
 use cable_robot::robot::{PerCable, Pose};
 
+use super::fit::{Fitted, against, fit};
 use super::survey::{Accuracy, Survey};
 use super::{ALARM, Mistake, Quantity, World};
 
-/// A quantity off by more than this share of [`Quantity::size`] is a whole mistake.
-const LARGEST: f64 = 0.3;
-/// A fit ends at this share of a standard deviation, or fails after so many steps.
-const CLOSE: f64 = 0.01;
-const STEPS: usize = 20;
+/// So many quantities may be wrong together.
+const TOGETHER: usize = 4;
+/// While the lengths are not explained, one more quantity is tried with so many of the best explanations.
+const BEST: usize = 3;
 
 /// The platform placed at a pose measured in the base frame, and what the bridge read there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,22 +22,20 @@ pub struct Placement {
     pub lengthening: PerCable<f64>,
 }
 
-/// Something that explains the lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Explanation {
-    /// The files are right.
-    Files,
-    /// A whole mistake.
-    Mistake(Mistake),
-    /// A quantity is another.
-    Quantity {
-        /// Which.
-        quantity: Quantity,
-        /// More than the file says by this, m, rad or a share.
-        amount: f64,
-        /// Its standard deviation.
-        deviation: f64,
-    },
+/// What explains the lengths: the files, if nothing is named.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Explanation {
+    /// A whole mistake, if there is one.
+    pub mistake: Option<Mistake>,
+    /// Quantities that are others.
+    pub quantities: Vec<Fitted>,
+}
+
+impl Explanation {
+    /// Whether nothing is wrong.
+    pub fn is_of_files(&self) -> bool {
+        self.mistake.is_none() && self.quantities.is_empty()
+    }
 }
 
 /// Explanations that the lengths do not tell apart, the best first.
@@ -45,57 +43,40 @@ pub enum Explanation {
 pub struct Verdict {
     /// Those whose misfit is less than the square of [`ALARM`] above the least.
     pub explanations: Vec<Explanation>,
-    /// Whether the best one leaves no more than placing and reading do: if not, more than one thing is wrong, or the platform was placed worse than was said.
+    /// Whether the best one leaves no more than placing and reading do: if not, more is wrong, or the platform was placed worse than was said.
     pub is_explained: bool,
     /// Of the best one: standard deviations, root of the mean square over all lengths; about 1 if it is right.
     pub residual: f64,
 }
 
 impl Verdict {
-    /// Of these placements.
+    /// Of these placements. A mistake alone and a quantity alone come first; only if no such thing explains the lengths, more quantities are taken to be wrong.
     pub fn new(file: &World, placements: &[Placement], accuracy: &Accuracy) -> Self {
         let poses: Vec<_> = placements.iter().map(|placement| placement.pose).collect();
         let cables = file.scale.len();
-        let survey = Survey::new(file, &poses, accuracy);
-        let measured = survey.deviation(&against(file, placements));
-        let misfit = survey.misfit(&measured);
-        let of_file = Candidate {
-            explanation: Explanation::Files,
-            misfit,
-            square: survey.product(&measured, &measured),
-        };
-        let mut found = vec![of_file];
-        for mistake in Mistake::all(cables) {
-            let truth = mistake.truth(file);
-            let survey = Survey::new(&truth, &poses, accuracy);
-            let rest = survey.deviation(&against(&truth, placements));
-            let explanation = Explanation::Mistake(mistake);
-            found.push(Candidate {
-                explanation,
-                misfit: survey.misfit(&rest),
-                square: survey.product(&rest, &rest),
-            });
-        }
-        for quantity in Quantity::all(cables) {
-            let fitted = fit(quantity, file, placements, &survey);
-            // What is no more than chance among so many is not blamed, nor what is no small amount.
-            let is_small = |fitted: &Fitted| fitted.amount.abs() <= LARGEST * quantity.size(file);
-            let gain = |fitted: &Fitted| of_file.square - fitted.square;
-            if let Some(fitted) = fitted.filter(|fitted| is_small(fitted) && gain(fitted) > ALARM * ALARM) {
-                let Fitted { amount, deviation, square } = fitted;
-                let explanation = Explanation::Quantity { quantity, amount, deviation };
-                found.push(Candidate { explanation, misfit: misfit - gain(&fitted), square });
-            }
-        }
-        found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
-        let best = found[0];
         let lengths = (cables * poses.len()) as f64;
         let chance = lengths + ALARM * (2.0 * lengths).sqrt();
-        found.retain(|candidate| candidate.misfit < best.misfit + ALARM * ALARM);
+        let search = Search { file, poses, placements, accuracy };
+        let mistakes = Mistake::all(cables).into_iter().map(Some);
+        let mut found: Vec<_> =
+            [None].into_iter().chain(mistakes).map(|mistake| search.whole(mistake)).collect();
+        let of_file = found[0].clone();
+        found.extend(search.extended(&of_file));
+        by_misfit(&mut found);
+        for _ in 1..TOGETHER {
+            if found[0].square <= chance {
+                break;
+            }
+            let more: Vec<_> =
+                found.iter().take(BEST).flat_map(|candidate| search.extended(candidate)).collect();
+            found.extend(more);
+            by_misfit(&mut found);
+        }
+        let least = found[0].misfit;
+        found.retain(|candidate| candidate.misfit < least + ALARM * ALARM);
         // The files are believed unless something else explains more.
-        if found.iter().any(|candidate| candidate.explanation == Explanation::Files) {
-            found.truncate(1);
-            found[0] = of_file;
+        if found.iter().any(|candidate| candidate.explanation.is_of_files()) {
+            found = vec![of_file];
         }
         Self {
             is_explained: found[0].square <= chance,
@@ -106,65 +87,73 @@ impl Verdict {
 
     /// Whether the files may be trusted, as far as these placements tell.
     pub fn is_good(&self) -> bool {
-        self.is_explained && self.explanations == [Explanation::Files]
+        self.is_explained && self.explanations.iter().all(Explanation::is_of_files)
     }
 }
 
-#[derive(Clone, Copy)]
+fn by_misfit(found: &mut [Candidate]) {
+    found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+}
+
+/// An explanation, and what it leaves.
+#[derive(Clone)]
 struct Candidate {
     explanation: Explanation,
     misfit: f64,
     square: f64,
 }
 
-/// The amount of a quantity that explains the lengths best.
-struct Fitted {
-    amount: f64,
-    deviation: f64,
-    /// What it leaves: the square of the standard deviations.
-    square: f64,
+struct Search<'a> {
+    file: &'a World,
+    poses: Vec<Pose>,
+    placements: &'a [Placement],
+    accuracy: &'a Accuracy,
 }
 
-/// By the method of Gauss and Newton; `None` where it does not end, or lengths make no sense any more.
-fn fit(quantity: Quantity, file: &World, placements: &[Placement], survey: &Survey) -> Option<Fitted> {
-    let mut amount = 0.0;
-    for _ in 0..STEPS {
-        let change: Vec<_> =
-            placements.iter().map(|placement| quantity.change(file, amount, &placement.pose)).collect();
-        let (change, rest) = (
-            survey.deviation(&change),
-            survey.deviation(&against(&quantity.truth(file, amount), placements)),
-        );
-        let size = survey.product(&change, &change);
-        let step = survey.product(&change, &rest) / size;
-        let deviation = size.sqrt().recip();
-        amount += step;
-        if step.abs() < CLOSE * deviation {
-            return Some(Fitted { amount, deviation, square: survey.product(&rest, &rest) });
-        }
+impl Search<'_> {
+    fn base(&self, mistake: Option<Mistake>) -> (World, Survey) {
+        let base = mistake.map_or(*self.file, |mistake| mistake.truth(self.file));
+        (base, Survey::new(&base, &self.poses, self.accuracy))
     }
-    None
-}
 
-/// What was read, less what `world` would have read, m.
-fn against(world: &World, placements: &[Placement]) -> Vec<PerCable<f64>> {
-    let less = |placement: &Placement| {
-        let expected = world.lengthening(&placement.pose);
-        PerCable::from_fn(expected.len(), |i| placement.lengthening[i] - expected[i])
-    };
-    placements.iter().map(less).collect()
+    /// A mistake alone, or the files.
+    fn whole(&self, mistake: Option<Mistake>) -> Candidate {
+        let (base, survey) = self.base(mistake);
+        let rest = survey.deviation(&against(&base, self.placements));
+        let explanation = Explanation { mistake, quantities: vec![] };
+        Candidate { explanation, misfit: survey.misfit(&rest), square: survey.product(&rest, &rest) }
+    }
+
+    /// With one more quantity. What gains no more than chance does among so many is not blamed.
+    fn extended(&self, from: &Candidate) -> Vec<Candidate> {
+        let Explanation { mistake, quantities } = &from.explanation;
+        let (base, survey) = self.base(*mistake);
+        let known: Vec<_> = quantities.iter().map(|fitted| fitted.quantity).collect();
+        let with = |quantity: Quantity| {
+            let quantities = [&known[..], &[quantity]].concat();
+            let (quantities, square) = fit(&base, &quantities, self.placements, &survey)?;
+            let gain = from.square - square;
+            let explanation = Explanation { mistake: *mistake, quantities };
+            (gain > ALARM * ALARM).then(|| Candidate { explanation, misfit: from.misfit - gain, square })
+        };
+        let others =
+            Quantity::all(self.file.scale.len()).into_iter().filter(|quantity| !known.contains(quantity));
+        others.filter_map(with).collect()
+    }
 }
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Files => write!(f, "as the files say"),
-            Self::Mistake(mistake) => mistake.fmt(f),
-            Self::Quantity { quantity, amount, deviation } => {
-                let (unit, factor) = quantity.unit();
-                let (amount, deviation) = (factor * amount, factor * deviation);
-                write!(f, "{quantity}: {amount:+.1} {unit} (standard deviation {deviation:.1})")
-            }
+        if self.is_of_files() {
+            return write!(f, "as the files say");
         }
+        let quantity = |fitted: &Fitted| {
+            let (unit, factor) = fitted.quantity.unit();
+            let (amount, deviation) = (factor * fitted.amount, factor * fitted.deviation);
+            format!("{}: {amount:+.1} {unit} (standard deviation {deviation:.1})", fitted.quantity)
+        };
+        let mistake = self.mistake.iter().map(ToString::to_string);
+        let parts: Vec<_> = mistake.chain(self.quantities.iter().map(quantity)).collect();
+        write!(f, "{}", parts.join(", and "))
     }
 }
