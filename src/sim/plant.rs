@@ -200,9 +200,9 @@ impl Plant {
         self
     }
 
-    /// Back at rest at the initial pose, where something else than the cables carries the platform, the motors pulling what `inputs` say.
-    pub fn stand(&mut self, inputs: &PlantInputs) {
-        self.state = body::at_rest(&self.parameters.initial_pose);
+    /// At rest at a pose, where something else than the cables carries the platform, the motors pulling what `inputs` say.
+    pub fn stand(&mut self, at: &Pose, inputs: &PlantInputs) {
+        self.state = body::at_rest(at);
         self.motor = inputs.motor_tension.map(pull_only);
         self.measure();
     }

@@ -21,7 +21,7 @@ const NO_KEY: u8 = 0;
 const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
-const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
+const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   l let the platform down   r down and reset   q down and off";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
@@ -77,11 +77,12 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
         let mut key = [0];
         match read_within(&mut key, held.map(|_| again)) {
             None => held.into_iter().for_each(&mut tell),
-            Some(0) => return tell(OperatorCommand::Release),
+            Some(0) => return tell(OperatorCommand::Lower),
             Some(_) => {
                 held = held_after(held, key[0]);
                 tell(held.unwrap_or(OperatorCommand::Release));
                 match key[0] {
+                    b'l' => tell(OperatorCommand::Lower),
                     b'r' => tell(OperatorCommand::Reset),
                     b'q' => tell(OperatorCommand::Shutdown),
                     _ => {}
@@ -124,8 +125,10 @@ fn lines(mut queue: Producer<OperatorCommand>) {
             }
         }
         if read == 0 {
-            say(format_args!("can-bridge: the operator's input has ended: let go; SIGTERM ends the program"));
-            return give(&mut queue, OperatorCommand::Release);
+            say(format_args!(
+                "can-bridge: the operator's input has ended: a platform that hangs is let down; SIGTERM ends the program"
+            ));
+            return give(&mut queue, OperatorCommand::Lower);
         }
     }
 }
@@ -154,12 +157,13 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "home" => OperatorCommand::Home,
         "enable" => OperatorCommand::Enable,
         "release" => OperatorCommand::Release,
+        "lower" => OperatorCommand::Lower,
         "reset" => OperatorCommand::Reset,
         "shutdown" => OperatorCommand::Shutdown,
         "goal" => return goal(words.collect()).map(Some),
         _ => {
             return Err(format!(
-                "{line:?}: expected home, enable, release, goal x y z [roll pitch yaw], reset or shutdown"
+                "{line:?}: expected home, enable, release, lower, goal x y z [roll pitch yaw], reset or shutdown"
             ));
         }
     };
@@ -175,6 +179,7 @@ pub fn text(command: &OperatorCommand) -> String {
         OperatorCommand::Home => "home".to_owned(),
         OperatorCommand::Enable => "enable".to_owned(),
         OperatorCommand::Release => "release".to_owned(),
+        OperatorCommand::Lower => "lower".to_owned(),
         OperatorCommand::Reset => "reset".to_owned(),
         OperatorCommand::Shutdown => "shutdown".to_owned(),
         OperatorCommand::Goal(pose) => {
@@ -216,6 +221,7 @@ mod tests {
             OperatorCommand::Home,
             OperatorCommand::Enable,
             OperatorCommand::Release,
+            OperatorCommand::Lower,
             OperatorCommand::Reset,
             OperatorCommand::Shutdown,
             OperatorCommand::Goal(pose),

@@ -194,7 +194,7 @@ impl Run {
         self.answer = report.controller.or(self.answer);
         let is_shown = match report.state {
             State::Enabled | State::Shadow => true,
-            State::Stopping | State::Safe | State::Fault => self.csv.is_some(),
+            State::Stopping | State::Safe | State::Fault | State::Lowering => self.csv.is_some(),
             State::Configuring | State::Homing | State::TakingUpSlack | State::Ready | State::Off => false,
         };
         let Some(answer) = self.answer.filter(|_| is_shown) else { return Ok(()) };

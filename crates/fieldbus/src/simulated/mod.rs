@@ -18,13 +18,18 @@ pub use node::{NodeFaults, SimulatedNode};
 use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
-use cable_robot::robot::{Cables, ParameterError, PerCable};
+use cable_robot::robot::{Cables, ParameterError, PerCable, Pose};
+use nalgebra::Vector3;
 use winding::Winding;
 
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
 const LIFTS_AT: f64 = 0.98;
+/// It is on its stand again where it comes down within this share of the shortest cable at home of where it stood: to the side of the home pose,
+/// and as far below it, since the stand gives way. What hovers there is not touched by it.
+const STAND: f64 = 0.02;
+const STAND_GIVES_WAY: f64 = 0.002;
 /// The floor is so far below the home pose, m.
 const FLOOR: f64 = 0.3;
 /// Counts of a motor at the home pose, times its cable's number: they mean nothing, so they are not zero.
@@ -54,6 +59,8 @@ pub struct SimulatedRig {
     plant: Plant,
     windings: Vec<Winding>,
     support: Support,
+    /// Where it was put on its stand, or came down to it.
+    stands_at: Pose,
     time: Nanoseconds,
     oldest_command: Nanoseconds,
 }
@@ -79,6 +86,7 @@ impl SimulatedRig {
                 .map(|length| Winding::taut(*length))
                 .collect(),
             at_home: rig.cables_at(&config.home),
+            stands_at: config.home,
             config,
             plant,
             support: Support::Stand,
@@ -166,21 +174,39 @@ impl SimulatedRig {
         if self.support == Support::Cables && h > 0.0 {
             if self.plant.step(&inputs, h).is_err() || self.fallen() > FLOOR {
                 self.support = Support::Floor;
+            } else if self.touches_stand() {
+                (self.support, self.stands_at) = (Support::Stand, self.plant.outputs().encoder_pose);
+                self.stand(&inputs);
             }
         } else if self.support == Support::Stand {
             self.stand(&inputs);
         }
     }
 
-    /// How far the platform is below the home pose, m.
-    fn fallen(&self) -> f64 {
-        let way = self.plant.outputs().encoder_pose.position() - self.config.home.position();
-        way.dot(&self.config.rig.gravity.normalize())
+    fn shortest_at_home(&self) -> f64 {
+        self.at_home.length.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// At rest at the home pose, whatever the motors pull, until they carry the weight.
+    fn touches_stand(&self) -> bool {
+        let (way, down) = (self.from_home(), self.config.rig.gravity.normalize());
+        let aside = (way - down * way.dot(&down)).norm();
+        let is_there = aside < STAND * self.shortest_at_home()
+            && self.fallen() > STAND_GIVES_WAY * self.shortest_at_home();
+        is_there && self.plant.outputs().velocity.dot(&down) > 0.0
+    }
+
+    fn from_home(&self) -> Vector3<f64> {
+        self.plant.outputs().encoder_pose.position() - self.config.home.position()
+    }
+
+    /// How far the platform is below the home pose, m.
+    fn fallen(&self) -> f64 {
+        self.from_home().dot(&self.config.rig.gravity.normalize())
+    }
+
+    /// At rest where it stands, whatever the motors pull, until they carry the weight.
     fn stand(&mut self, inputs: &PlantInputs) {
-        self.plant.stand(inputs);
+        self.plant.stand(&self.stands_at, inputs);
         let (rig, (force, _)) = (&self.config.rig, self.at_home.wrench(&inputs.motor_tension));
         if -force.dot(&rig.gravity.normalize()) >= LIFTS_AT * rig.weight() {
             self.support = Support::Cables;
