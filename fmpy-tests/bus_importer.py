@@ -9,7 +9,7 @@ from fmpy import extract, instantiate_fmu, read_model_description
 FORMAT_ERROR, TRANSMIT, CONFIRM, CONFIGURATION = 0x01, 0x10, 0x20, 0x40
 CAN_BAUDRATE = 1
 NOTIFICATIONS = "org.fmi_standard.fmi_ls_bus.Can_BusNotifications"
-STATE = {1: "Configuring", 2: "Homing", 3: "TakingUpSlack", 4: "Ready", 5: "Enabled", 6: "Stopping", 7: "Safe", 8: "Fault"}
+STATE = {1: "Configuring", 2: "Homing", 3: "TakingUpSlack", 4: "Ready", 5: "Enabled", 6: "Stopping", 7: "Safe", 8: "Fault", 9: "Lowering"}
 
 
 def operation(code, content=b""):

@@ -103,15 +103,16 @@ impl World {
 
     fn command(&mut self, byte: u8) {
         let goal = [0.3, -0.2, f64::NAN, 5.0][usize::from(byte >> 3) % 4];
-        let command = match byte % 7 {
+        let command = match byte % 8 {
             0 => OperatorCommand::Home,
             1 | 2 => OperatorCommand::Enable,
             3 => OperatorCommand::Release,
             4 => OperatorCommand::Goal(Pose::at(goal, 0.1, 1.0)),
             5 => OperatorCommand::Reset,
+            6 => OperatorCommand::Lower,
             _ => OperatorCommand::Shutdown,
         };
-        self.is_pressed = command == OperatorCommand::Enable || (self.is_pressed && byte % 7 == 4);
+        self.is_pressed = command == OperatorCommand::Enable || (self.is_pressed && byte % 8 == 4);
         // What it refuses is its own affair.
         let _ = self.bridge.operator(command, self.now);
     }

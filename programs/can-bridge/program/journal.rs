@@ -152,7 +152,12 @@ fn event_text(event: &Event) -> String {
         Event::Stopped(Cause::Released) => "the operator let go: to the safe output".to_owned(),
         Event::Stopped(Cause::EnableExpired) => "enable was not given again: to the safe output".to_owned(),
         Event::Stopped(Cause::Shutdown) => "the program ends: to the safe output".to_owned(),
+        Event::Stopped(Cause::Lower | Cause::Landed) => {
+            "the operator wants the platform down: to the safe output".to_owned()
+        }
+        Event::Stopped(Cause::Reset) => "everything is to be set up anew: to the safe output".to_owned(),
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
+        Event::LetGo(Cause::Landed) => "the platform stands: the motors are off".to_owned(),
         Event::LetGo(Cause::EnableExpired) => "home was not given again: the motors are off".to_owned(),
         Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
         Event::Pulled { cable, tension, came_in } => survey::pulled_text(*cable, *tension, came_in),

@@ -23,7 +23,7 @@ const NO_KEY: u8 = 0;
 const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
-const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
+const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   l let the platform down   r down and reset   q down and off";
 
 const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
 
@@ -86,7 +86,7 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
         let mut key = [0];
         match read_within(&mut key, held.map(|_| again)) {
             None => held.into_iter().for_each(&mut tell),
-            Some(0) => return tell(OperatorCommand::Release),
+            Some(0) => return tell(OperatorCommand::Lower),
             // In Ready nothing is held any more: the platform is in the person's hands.
             Some(_) if key[0] == b'y' && survey.is_some() => {
                 survey.into_iter().for_each(|survey| say(survey.confirm()));
@@ -107,6 +107,7 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
                 };
                 tell(held.unwrap_or(OperatorCommand::Release));
                 match key[0] {
+                    b'l' => tell(OperatorCommand::Lower),
                     b'r' => tell(OperatorCommand::Reset),
                     b'q' => tell(OperatorCommand::Shutdown),
                     _ => {}
@@ -149,8 +150,10 @@ fn lines(mut queue: Producer<OperatorCommand>, survey: Option<&Survey>) {
             }
         }
         if read == 0 {
-            say(format_args!("can-bridge: the operator's input has ended: let go; SIGTERM ends the program"));
-            return give(&mut queue, OperatorCommand::Release);
+            say(format_args!(
+                "can-bridge: the operator's input has ended: a platform that hangs is let down; SIGTERM ends the program"
+            ));
+            return give(&mut queue, OperatorCommand::Lower);
         }
     }
 }
@@ -191,6 +194,7 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "home" => OperatorCommand::Home,
         "enable" => OperatorCommand::Enable,
         "release" => OperatorCommand::Release,
+        "lower" => OperatorCommand::Lower,
         "reset" => OperatorCommand::Reset,
         "shutdown" => OperatorCommand::Shutdown,
         "goal" => return pose("goal", words.collect()).map(|pose| Some(OperatorCommand::Goal(pose))),
@@ -200,7 +204,7 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "placed" => return pose("placed", words.collect()).map(|pose| Some(OperatorCommand::Placed(pose))),
         _ => {
             return Err(format!(
-                "{line:?}: expected home, enable, release, goal x y z [roll pitch yaw], reset or shutdown"
+                "{line:?}: expected home, enable, release, lower, goal x y z [roll pitch yaw], reset or shutdown"
             ));
         }
     };
@@ -216,6 +220,7 @@ pub fn text(command: &OperatorCommand) -> String {
         OperatorCommand::Home => "home".to_owned(),
         OperatorCommand::Enable => "enable".to_owned(),
         OperatorCommand::Release => "release".to_owned(),
+        OperatorCommand::Lower => "lower".to_owned(),
         OperatorCommand::Reset => "reset".to_owned(),
         OperatorCommand::Shutdown => "shutdown".to_owned(),
         OperatorCommand::Pull(cable) => format!("pull {}", cable + 1),
@@ -271,6 +276,7 @@ mod tests {
             OperatorCommand::Home,
             OperatorCommand::Enable,
             OperatorCommand::Release,
+            OperatorCommand::Lower,
             OperatorCommand::Reset,
             OperatorCommand::Shutdown,
             OperatorCommand::Goal(pose),

@@ -200,7 +200,7 @@ impl Run {
         self.answer = report.controller.or(self.answer);
         let is_shown = match report.state {
             State::Enabled | State::Shadow => true,
-            State::Stopping | State::Safe | State::Fault => self.csv.is_some(),
+            State::Stopping | State::Safe | State::Fault | State::Lowering => self.csv.is_some(),
             State::Configuring
             | State::Homing
             | State::Trying

@@ -60,6 +60,7 @@ pub struct Session<'a> {
     /// The last command's.
     refusal: Option<Refusal>,
     is_stopping: bool,
+    has_asked_to_end: bool,
     has_failed: bool,
     cycles_off: u32,
 }
@@ -93,6 +94,7 @@ impl<'a> Session<'a> {
             encoder_at: None,
             refusal: None,
             is_stopping: false,
+            has_asked_to_end: false,
             has_failed: false,
             cycles_off: 0,
         }
@@ -122,7 +124,7 @@ impl<'a> Session<'a> {
         if signals == 1 && !self.is_stopping {
             self.is_stopping = true;
             self.note(
-                "a signal: to the safe output, then off; another one, later, cuts the torque off at once",
+                "a signal: a platform that hangs is let down, then off; another one, later, cuts the torque off at once",
             );
         }
         let report = catch_unwind(AssertUnwindSafe(|| {
@@ -140,7 +142,7 @@ impl<'a> Session<'a> {
             }
             Err(_) => {
                 (self.has_failed, self.is_stopping) = (true, true);
-                self.note("the program failed: to the safe output, then off");
+                self.note("the program failed: to the safe output, down, then off");
                 None
             }
         }
@@ -176,8 +178,9 @@ impl<'a> Session<'a> {
             self.bridge.on_transport_error(bus, error);
         }
         self.errors.clear();
-        if self.is_stopping && self.cycles_off == 0 && self.bridge.state() != State::Stopping {
+        if self.is_stopping && !self.has_asked_to_end {
             self.obey(OperatorCommand::Shutdown, time);
+            self.has_asked_to_end = true;
         }
         // No more than wait now: who gives them faster is not waited for.
         for _ in 0..self.commands.slots() {

@@ -169,6 +169,11 @@ fn a_cycle_allocates_nothing() {
         bench.cycle();
     }
     assert_eq!((CALLS.get() - before, bench.state), (0, State::Enabled), "allocations in 500 cycles");
+    bench.commands.push(OperatorCommand::Lower).unwrap();
+    while bench.state != State::Homing {
+        bench.cycle();
+    }
+    assert_eq!(CALLS.get() - before, 0, "allocations while the platform is let down");
 }
 
 /// A controller that fails as no controller should.
@@ -227,8 +232,7 @@ fn drives_that_do_not_confirm_that_they_are_off_are_no_good_end() {
     let mut bench = Bench::new(&mut controller);
     bench.start();
     bench.stop.store(1, std::sync::atomic::Ordering::Relaxed);
-    bench.until(State::Stopping);
-    // For less than the cycles that are bridged.
+    bench.until(State::Off);
     bench.rig.lock().unwrap().drives[2].faults.is_silent = true;
     let end = std::iter::from_fn(|| Some(bench.cycle())).flatten().next();
     assert_eq!(end, Some(End::Faulted));

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::State;
 use cable_robot_fieldbus::cia402::DriveState;
-use cable_robot_fieldbus::simulated::Bench;
+use cable_robot_fieldbus::simulated::{Bench, Support};
 use cable_robot_fieldbus::transport::{Transport, now, pseudo_terminal};
 use cable_robot_report::{Digest, RunFolder, html};
 use serde_json::Value;
@@ -219,12 +219,14 @@ fn a_signal_that_comes_twice_at_once_does_not_drop_the_platform() {
 }
 
 #[test]
-fn the_end_of_the_operators_input_lets_go() {
+fn the_end_of_the_operators_input_lets_the_platform_down() {
     let lab = Lab::start();
     let mut program = Program::start(&lab.device, &[]);
     program.move_away();
     drop(program.child.stdin.take());
-    program.until("state", "Safe", None);
+    program.until("state", "Lowering", None);
+    program.until("state", "Homing", None);
+    assert_eq!(lab.rig().support(), Support::Stand);
     program.signal("TERM");
     assert_eq!(program.exit_code(), Some(0), "{}", program.messages());
 }

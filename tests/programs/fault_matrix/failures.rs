@@ -35,7 +35,7 @@ const NOTHING: Failure = Failure {
     cause: |cause| matches!(cause, Cause::Fault(_)),
 };
 
-pub static FAILURES: [Failure; 31] = [
+pub static FAILURES: [Failure; 34] = [
     Failure {
         name: "20 % of the frames lost",
         words: "lose 20%",
@@ -284,6 +284,35 @@ pub static FAILURES: [Failure; 31] = [
         name: "shutdown (SIGTERM)",
         once: |bench| _ = bench.bridge.operator(OperatorCommand::Shutdown, bench.now),
         cause: |cause| *cause == Cause::Shutdown,
+        ..NOTHING
+    },
+    Failure {
+        name: "operator wants it down, or the input ends",
+        once: |bench| {
+            bench.is_pressed = false;
+            _ = bench.bridge.operator(OperatorCommand::Lower, bench.now);
+        },
+        cause: |cause| *cause == Cause::Lower,
+        ..NOTHING
+    },
+    Failure {
+        name: "reset while it hangs",
+        once: |bench| {
+            bench.is_pressed = false;
+            _ = bench.bridge.operator(OperatorCommand::Reset, bench.now);
+        },
+        cause: |cause| *cause == Cause::Reset,
+        ..NOTHING
+    },
+    Failure {
+        name: "two encoders out of range",
+        once: |bench| {
+            for cable in [2, 5] {
+                _ = bench.suffer(&format!("drive {cable} jumps 20000"));
+            }
+        },
+        cycles: 2,
+        cause: |cause| matches!(cause, Cause::Fault(Fault::EncoderJump { .. })),
         ..NOTHING
     },
 ];

@@ -114,6 +114,7 @@ fn judge(name: &str, outcome: &Outcome, cause: Option<&str>) -> Result<Row, Stri
         safe: None,
         oldest: Some((oldest * 1e6) as Nanoseconds),
         drives: count(drives.into_values()),
+        down: "-".to_owned(),
         exit,
         line: line.to_owned(),
     })

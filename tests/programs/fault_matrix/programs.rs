@@ -43,7 +43,7 @@ pub fn cases() -> Vec<Case> {
                     lab.walk_away();
                     Ok(())
                 },
-                "the operator let go: to the safe output",
+                "the operator wants the platform down: to the safe output",
                 0,
             )
         }),
@@ -106,7 +106,7 @@ fn ends(
 ) -> Result<Row, String> {
     let begin = lab.now();
     happens(&mut lab)?;
-    lab.wait_for("the safe output", |lab| matches!(lab.state(), "Safe" | "Fault" | "Off"))?;
+    lab.wait_for("the safe output", |lab| matches!(lab.state(), "Safe" | "Fault" | "Lowering" | "Off"))?;
     let line = lab.messages.iter().find(|line| line.starts_with(said)).cloned();
     let line = line.ok_or_else(|| format!("{said:?} was not said, but {:?}", lab.messages))?;
     // The link may be gone, and then the drives see to it themselves.
@@ -132,6 +132,7 @@ fn ends(
         safe,
         oldest: Some(oldest),
         drives,
+        down: "-".to_owned(),
         exit: status.code(),
         line,
     })
@@ -203,6 +204,7 @@ fn killed(name: &str) -> Result<Row, String> {
         safe: Some(oldest),
         oldest: Some(oldest),
         drives,
+        down: "-".to_owned(),
         exit: None,
         line: "none".to_owned(),
     })
@@ -228,6 +230,7 @@ fn disk_full(name: &str) -> Result<Row, String> {
         safe: None,
         oldest,
         drives,
+        down: "-".to_owned(),
         exit: status.code(),
         line,
     })

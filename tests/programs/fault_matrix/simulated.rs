@@ -14,6 +14,10 @@ const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
 /// How long a move with something wrong is watched, s.
 const LONG: f64 = 10.0;
 
+/// Within this time a platform is down, and comes to its stand no faster, m/s.
+const DOWN: Nanoseconds = 30_000_000_000;
+const LANDING: f64 = 0.1;
+
 /// All of them.
 pub fn cases() -> Vec<Case> {
     let case = |name, run| Case { name, kind: "simulated", run };
@@ -272,13 +276,33 @@ fn finish(
     let row = row(name, stated, times, &bench, line);
     bench.link.faults = Default::default();
     _ = bench.bridge.operator(OperatorCommand::Shutdown, bench.now);
-    let mut last = bench.cycle();
-    for _ in 0..bench.bridge.config().cycles(1_000_000_000) {
-        last = bench.cycle();
-    }
-    ensure(last.state == State::Off, || format!("not off, but {}", last.state))?;
+    let down = come_down(&mut bench);
+    ensure(bench.bridge.state() == State::Off, || format!("not off, but {}", bench.bridge.state()))?;
+    let last = bench.cycle();
+    bench.run(0.1);
     ensure(bench.rig.motor_tension() == [0.0; 6], || "a motor pulls after the end".to_owned())?;
-    Ok(Row { exit: Some(if last.fault.is_some() { 5 } else { 0 }), ..row })
+    Ok(Row { exit: Some(if last.fault.is_some() { 5 } else { 0 }), down: down?, ..row })
+}
+
+/// Until the bridge is off: where the platform is then, and how fast it came there.
+fn come_down(bench: &mut Bench) -> Result<String, String> {
+    let begun = bench.now;
+    let mut landing = 0.0;
+    while bench.bridge.state() != State::Off && bench.now - begun < DOWN {
+        bench.cycle();
+        if bench.rig.support() == Support::Cables {
+            landing = bench.rig.plant().velocity.norm();
+        }
+    }
+    match bench.rig.support() {
+        Support::Stand if landing == 0.0 => Ok("stands".to_owned()),
+        Support::Stand => {
+            ensure(landing < LANDING, || format!("it came to its stand with {landing} m/s"))?;
+            Ok(format!("stands, {landing:.2} m/s"))
+        }
+        Support::Cables => Ok("falls".to_owned()),
+        Support::Floor => Ok("fell".to_owned()),
+    }
 }
 
 fn row(
@@ -290,5 +314,15 @@ fn row(
 ) -> Row {
     let states = bench.rig.drives.iter().map(|drive| drive.state().to_string());
     let oldest = Some(bench.rig.oldest_command());
-    Row { name: name.to_owned(), stated, ended, safe, oldest, drives: count(states), exit: None, line }
+    Row {
+        name: name.to_owned(),
+        stated,
+        ended,
+        safe,
+        oldest,
+        drives: count(states),
+        down: "-".to_owned(),
+        exit: None,
+        line,
+    }
 }

@@ -16,6 +16,8 @@ pub struct Row {
     pub safe: Option<Nanoseconds>,
     /// The longest that a motor followed a command without a newer one.
     pub oldest: Option<Nanoseconds>,
+    /// Where the platform is once the program has ended, and how fast it came there.
+    pub down: String,
     /// The drives in the end, before the program ended.
     pub drives: String,
     /// Of the program; `None` if it was killed.
@@ -34,22 +36,23 @@ pub fn count(states: impl IntoIterator<Item = String>) -> String {
 /// As Markdown, so that it can stand in docs/rig.md.
 pub fn print(rows: &[Row]) {
     println!(
-        "| fault | stated | controller's tensions end | safe output | oldest command | drives | exit | log |"
+        "| fault | stated | controller's tensions end | safe output | oldest command | drives | in the end | exit | log |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for row in rows {
         let time = |time: Option<Nanoseconds>| {
             time.map_or("-".to_owned(), |time| format!("{:.0} ms", time as f64 * 1e-6))
         };
         let exit = row.exit.map_or("killed".to_owned(), |code| code.to_string());
         println!(
-            "| {} | {} | {} | {} | {} | {} | {exit} | {} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {exit} | {} |",
             row.name,
             row.stated,
             time(row.ended),
             time(row.safe),
             time(row.oldest),
             row.drives,
+            row.down,
             row.line
         );
     }

@@ -244,6 +244,18 @@ pub enum Fault {
         /// m.
         at: f64,
     },
+    /// Let down to where it began, the platform does not stand there.
+    #[error(
+        "the platform was let down and does not stand at home: cable {cable} is off by {length:.3} m, at most slack.most = {most} m are allowed; it is held, and not let down again by itself"
+    )]
+    OffStand {
+        /// Its number, from 1.
+        cable: usize,
+        /// More than at home, m.
+        length: f64,
+        /// m.
+        most: f64,
+    },
     /// Somebody else sends what only the bridge may.
     #[error(
         "another master is on bus {bus}: it sent 0x{id:03X}, which only this bridge may; end one of them (or the adapter gives back what it is sent)"
@@ -362,6 +374,7 @@ impl Fault {
             | Tilted { .. }
             | OffCourse { .. }
             | OutOfBox { .. }
+            | OffStand { .. }
             | ControllerFailed
             | ControllerSensorFault
             | Overrun { .. }

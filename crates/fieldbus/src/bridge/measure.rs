@@ -27,7 +27,7 @@ pub(super) struct Encoder {
     is_frozen: bool,
     /// Whether the value believed in this cycle is another than the one before.
     pub has_changed: bool,
-    /// Whether it ever was at fault.
+    /// Whether what it says cannot be believed any more.
     pub has_failed: bool,
 }
 
@@ -49,6 +49,11 @@ impl Encoder {
         self.counts.is_some() && self.missed <= limits.lost_cycles
     }
 
+    /// Whether its length can be believed now.
+    pub fn is_sound(&self, limits: &Limits) -> bool {
+        self.is_alive(limits) && !self.has_failed
+    }
+
     /// m, and m/s while values come.
     pub fn last_measured(&self) -> (f64, f64) {
         (self.true_length, if self.missed == 0 { self.rate } else { 0.0 })
@@ -63,8 +68,13 @@ impl Encoder {
         now: Nanoseconds,
     ) -> Result<(), Fault> {
         let result = self.take_in(cable, winch, limits, now);
-        self.has_failed |= result.is_err();
+        self.has_failed |= !matches!(result, Ok(()) | Err(Fault::EncoderSilent { .. }));
         result
+    }
+
+    /// One that was silent for so long may have counted from elsewhere since.
+    pub fn give_up(&mut self, now: Nanoseconds, patience: Nanoseconds) {
+        self.has_failed |= now.saturating_sub(self.time) > patience;
     }
 
     fn take_in(

@@ -4,6 +4,7 @@
 mod course;
 mod fault;
 mod follow;
+mod lower;
 mod measure;
 mod operator;
 mod output;
@@ -26,6 +27,7 @@ pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
 use course::Course;
 use fault::FaultList;
 use follow::{Follower, ModeQuestion};
+use lower::Way;
 use measure::{CellMonitor, Encoder};
 use slack::SlackStep;
 use startup::Startup;
@@ -85,12 +87,16 @@ enum Mode {
         since: Nanoseconds,
         from: PerCable<f64>,
         to: SafePull,
-        is_fault: bool,
     },
     Safe(SafePull),
     Fault(SafePull),
     /// In a survey.
     Trying(Trial),
+    Lowering {
+        since: Nanoseconds,
+        from: Held,
+        way: Way,
+    },
     Off,
     Shadow {
         is_homed: bool,
@@ -103,10 +109,14 @@ type SafePull = Option<Held>;
 /// Tensions, and the lengths around which each winch is a spring and a damper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Held {
+    /// Where the platform hangs with these.
+    pose: Pose,
     /// N.
     tension: PerCable<f64>,
     /// m.
     length: PerCable<f64>,
+    /// By how much that changes, m/s.
+    rate: PerCable<f64>,
 }
 
 /// A node of the rig.
@@ -171,6 +181,10 @@ pub struct Bridge {
     is_survey: bool,
     /// Who the drives are to be.
     expected: Option<PerCable<Identity>>,
+    /// Whether everything is set up anew once the platform is down.
+    is_reset_due: bool,
+    /// When a platform that hangs is let down; None if it is not.
+    lowers_at: Option<Nanoseconds>,
     /// Whether the operator let go since the controller was last enabled.
     is_released: bool,
     /// When home was last given, and whether it came too late, so that it must be released first.
@@ -226,6 +240,8 @@ impl Bridge {
             is_shutting_down: false,
             is_survey: false,
             expected: None,
+            is_reset_due: false,
+            lowers_at: None,
             is_released: true,
             home_given: 0,
             is_home_stale: false,
@@ -282,6 +298,7 @@ impl Bridge {
             Mode::Safe(_) => State::Safe,
             Mode::Fault(_) => State::Fault,
             Mode::Trying(_) => State::Trying,
+            Mode::Lowering { .. } => State::Lowering,
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
         }
@@ -371,6 +388,9 @@ impl Bridge {
             return;
         }
         let is_configuring = self.mode == Mode::Configuring;
+        if let (NmtState::BootUp, false) = (state, is_configuring) {
+            self.forget_reference(bus, node);
+        }
         let Some(peer) = self.peer(bus, node) else { return };
         peer.heard = now;
         let result = match state {
@@ -417,6 +437,14 @@ impl Bridge {
         }
     }
 
+    /// A drive that started again may count from elsewhere.
+    fn forget_reference(&mut self, bus: usize, node: Node) {
+        let drives = self.config.drives.iter().zip(&mut self.drives);
+        for (_, monitor) in drives.filter(|(drive, _)| (drive.bus, drive.node) == (bus, node)) {
+            monitor.encoder.has_failed = true;
+        }
+    }
+
     /// Notes a fault for the next cycle.
     fn raise(&mut self, fault: Fault) {
         self.pending.insert(fault);
@@ -439,7 +467,7 @@ impl Bridge {
     fn is_pulling(&self) -> bool {
         match self.mode {
             Mode::TakingUpSlack { step, .. } => step.is_some(),
-            Mode::Ready | Mode::Enabled { .. } => true,
+            Mode::Ready | Mode::Enabled { .. } | Mode::Lowering { .. } => true,
             Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
             Mode::Listening { .. }
             | Mode::Quieting { .. }
@@ -452,11 +480,13 @@ impl Bridge {
     }
 
     fn asks_the_controller(&self) -> bool {
-        !self.is_survey
-            && matches!(
-                self.mode,
-                Mode::Ready | Mode::Enabled { .. } | Mode::Safe(_) | Mode::Shadow { is_homed: true }
-            )
+        match self.mode {
+            _ if self.is_survey => false,
+            Mode::Ready | Mode::Enabled { .. } | Mode::Shadow { is_homed: true } => true,
+            // On the way down nothing depends on it.
+            Mode::Safe(_) => self.lowers_at.is_none_or(|at| at > self.time),
+            _ => false,
+        }
     }
 
     fn advance_clock(&mut self, now: Nanoseconds) {

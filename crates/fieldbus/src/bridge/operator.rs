@@ -1,18 +1,16 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Held, Mode, SafePull, Trial};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Trial};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
-use crate::config::SafeOutput;
-use cable_robot::control::static_tensions;
-use cable_robot::robot::{PerCable, Pose};
+use cable_robot::robot::Pose;
 
-/// Whether a reset is possible: not while a platform hangs and is on its way, nor where there is nothing to reset.
+/// Whether there is something to reset.
 fn is_reset_from(mode: &Mode) -> bool {
-    matches!(
+    !matches!(
         mode,
-        Mode::Homing { .. } | Mode::TakingUpSlack { .. } | Mode::Ready | Mode::Safe(_) | Mode::Fault(_)
+        Mode::Listening { .. } | Mode::Quieting { .. } | Mode::Configuring | Mode::Off | Mode::Shadow { .. }
     )
 }
 
@@ -68,24 +66,30 @@ impl Bridge {
             }
             (OperatorCommand::Release, _) => {
                 (self.is_released, self.is_home_stale) = (true, false);
-                match self.mode {
-                    Mode::Enabled { .. } => self.stop(Cause::Released),
-                    Mode::TakingUpSlack { .. } | Mode::Ready | Mode::Trying(Trial::Pull { .. }) => {
-                        self.let_go(Cause::Released);
-                    }
-                    _ => {}
+                let is_under_way = matches!(
+                    self.mode,
+                    Mode::Enabled { .. }
+                        | Mode::TakingUpSlack { .. }
+                        | Mode::Ready
+                        | Mode::Trying(Trial::Pull { .. })
+                );
+                if is_under_way {
+                    self.come_down(Cause::Released);
+                }
+            }
+            (OperatorCommand::Lower, mode) => {
+                (self.is_released, self.is_home_stale) = (true, false);
+                if self.hangs() || matches!(mode, Mode::TakingUpSlack { .. } | Mode::Ready) {
+                    self.come_down(Cause::Lower);
                 }
             }
             (OperatorCommand::Reset, mode) if is_reset_from(&mode) => {
-                self.reset();
+                self.is_reset_due = true;
+                self.come_down(Cause::Reset);
             }
-            (OperatorCommand::Shutdown, mode) => {
+            (OperatorCommand::Shutdown, _) => {
                 self.is_shutting_down = true;
-                match mode {
-                    Mode::Enabled { .. } => self.stop(Cause::Shutdown),
-                    Mode::Stopping { .. } => {}
-                    _ => self.enter(Mode::Off),
-                }
+                self.come_down(Cause::Shutdown);
             }
             _ => return Err(refusal),
         }
@@ -143,18 +147,18 @@ impl Bridge {
             let now = self.cells[i].disagreement(i + 1, self.commanded[i], 0);
             now.map_err(Refusal::NotYet)?;
         }
-        self.is_released = false;
+        (self.is_released, self.lowers_at) = (false, None);
         self.certified = self.commanded;
         let at = self.pose.position();
         self.goal = Pose::at(at.x, at.y, at.z);
-        let lifted = self.gravity_hold();
+        let lifted = self.gravity_hold(&self.pose);
         self.enter(Mode::Enabled { since: now, from: self.commanded, lifted, confirmed: now });
         Ok(())
     }
 
     /// Everything anew; the drives lose their torque. Who never was alone on the buses listens once more.
     pub(super) fn reset(&mut self) {
-        self.is_running = false;
+        (self.is_running, self.is_reset_due) = (false, false);
         self.is_resetting_drives = true;
         (self.is_released, self.is_home_stale) = (true, false);
         (self.pending, self.reported_faults, self.fault) = Default::default();
@@ -180,25 +184,16 @@ impl Bridge {
                 if self.time.saturating_sub(self.home_given) > self.config.timeouts.enable =>
             {
                 self.is_home_stale = true;
-                self.let_go(Cause::EnableExpired);
+                self.come_down(Cause::EnableExpired);
             }
             Mode::Trying(trial) => self.try_out(trial, out),
             Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>
             {
-                self.stop(Cause::EnableExpired);
+                self.come_down(Cause::EnableExpired);
             }
-            Mode::Stopping { since, to, is_fault, .. }
-                if self.time.saturating_sub(since) >= self.config.safe.ramp =>
-            {
-                self.enter(match (self.is_shutting_down, is_fault) {
-                    (true, _) => Mode::Off,
-                    (false, true) => Mode::Fault(to),
-                    (false, false) => Mode::Safe(to),
-                });
-            }
-            _ => {}
+            _ => self.go_on_down(),
         }
     }
 
@@ -247,36 +242,6 @@ impl Bridge {
         self.fail(Fault::DriveStuck { node: self.config.drives[i].node, state });
     }
 
-    /// The platform is on its stand: nothing holds it but that, and the motors may be switched off.
-    pub(super) fn let_go(&mut self, cause: Cause) {
-        self.events.push(self.time, Event::LetGo(cause));
-        self.enter(Mode::Homing { since: self.time });
-    }
-
-    /// From the controller's tensions to the safe output.
-    fn stop(&mut self, cause: Cause) {
-        self.events.push(self.time, Event::Stopped(cause));
-        let is_fault = matches!(cause, Cause::Fault(_));
-        let to = self.safe_pull();
-        self.enter(Mode::Stopping { since: self.time, from: self.commanded, to, is_fault });
-    }
-
-    fn safe_pull(&self) -> SafePull {
-        let tension = match self.config.safe.output {
-            SafeOutput::Hold => self.certified,
-            SafeOutput::GravityRamp => self.gravity_hold(),
-            SafeOutput::TorqueOff => return None,
-        };
-        Some(Held { tension, length: self.lengths() })
-    }
-
-    /// What carries the platform at rest at the last good pose, N, as far as cables can.
-    fn gravity_hold(&self) -> PerCable<f64> {
-        let rig = &self.config.rig;
-        let held = static_tensions(rig, &self.pose, 0.0).unwrap_or(self.certified);
-        PerCable::from_fn(self.cables(), |i| held[i].clamp(0.0, rig.cables[i].limits.max))
-    }
-
     pub(super) fn fail(&mut self, fault: Fault) {
         // With the torque off there is nothing left to lose.
         if matches!(self.mode, Mode::Fault(None) | Mode::Off) {
@@ -286,16 +251,8 @@ impl Bridge {
             self.events.push(self.time, Event::Fault(fault));
         }
         self.fault.get_or_insert(fault);
-        match self.mode {
-            Mode::Fault(_) | Mode::Stopping { is_fault: true, .. } => {}
-            Mode::Enabled { .. } => self.stop(Cause::Fault(fault)),
-            Mode::Stopping { since, from, to, .. } => {
-                self.mode = Mode::Stopping { since, from, to, is_fault: true }
-            }
-            Mode::Safe(to) => self.enter(Mode::Fault(to)),
-            Mode::Shadow { .. } => {}
-            // The platform still is on its stand.
-            _ => self.enter(Mode::Fault(None)),
+        if !matches!(self.mode, Mode::Shadow { .. }) {
+            self.come_down(Cause::Fault(fault));
         }
     }
 

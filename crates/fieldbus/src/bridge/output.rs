@@ -38,6 +38,10 @@ impl Bridge {
             }
             Mode::Stopping { to: None, .. } => (nothing, Demand::QuickStop),
             Mode::Safe(Some(to)) | Mode::Fault(Some(to)) => (self.stiffened(&to), Demand::Keep),
+            Mode::Lowering { since, from, way } => {
+                self.certified = self.stiffened(&self.led(since, &from, &way));
+                (self.certified, Demand::Keep)
+            }
             Mode::Safe(None) | Mode::Fault(None) => (nothing, Demand::Off),
         }
     }
@@ -47,10 +51,10 @@ impl Bridge {
     fn stiffened(&self, held: &Held) -> PerCable<f64> {
         let safe = &self.config.safe;
         PerCable::from_fn(self.cables(), |i| {
-            let encoder = &self.drives[i].encoder;
-            let (length, rate) = encoder.last_measured();
-            let resistance = safe.stiffness * (length - held.length[i]) + safe.damping * rate;
-            let resistance = if encoder.has_failed { 0.0 } else { resistance };
+            let (length, rate) = self.drives[i].encoder.last_measured();
+            let resistance =
+                safe.stiffness * (length - held.length[i]) + safe.damping * (rate - held.rate[i]);
+            let resistance = if self.is_sound(i) { resistance } else { 0.0 };
             (held.tension[i] + resistance).clamp(0.0, self.config.rig.cables[i].limits.max)
         })
     }

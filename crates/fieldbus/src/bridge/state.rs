@@ -32,6 +32,8 @@ pub enum State {
     Fault,
     /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on its stand.
     Trying,
+    /// The platform is let down to its stand.
+    Lowering,
     /// Drives off, for good.
     Off,
     /// Nothing is sent: what the controller would do is computed beside another that does it.
@@ -65,8 +67,11 @@ pub enum OperatorCommand {
     /// Whether the drives stop by themselves when the bridge is silent; in Homing, in a survey.
     TryWatchdog,
     /// From Homing to Ready, Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
+    /// No longer, and let the platform down at once if it hangs.
+    Lower,
+    /// Let the platform down if it hangs, then set everything up again, and reset the drives' faults. The drives lose their torque.
     Reset,
-    /// To the safe output, then off.
+    /// Let the platform down if it hangs, then off.
     Shutdown,
 }
 
@@ -115,10 +120,16 @@ pub enum Cause {
     Released,
     /// The operator's enable was not given again in time.
     EnableExpired,
+    /// The operator wants the platform down.
+    Lower,
+    /// The operator wants everything set up anew.
+    Reset,
     /// The program ends.
     Shutdown,
     /// Something failed.
     Fault(Fault),
+    /// The platform was let down and stands.
+    Landed,
 }
 
 /// Something to log.

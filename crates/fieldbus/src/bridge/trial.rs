@@ -116,7 +116,7 @@ impl Bridge {
         match trial {
             Trial::Pull { given, .. } if waits(given) > self.config.timeouts.enable => {
                 self.is_home_stale = true;
-                self.let_go(Cause::EnableExpired);
+                self.switch_off(Cause::EnableExpired);
             }
             Trial::Pull { cable, given, begun: None, since } => {
                 if self.drives[cable].state == Some(DriveState::OperationEnabled) {

@@ -1,6 +1,6 @@
 //! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
 
-use super::{Bridge, DriveMonitor, Fault, Mode};
+use super::{Bridge, Fault, Mode};
 use crate::cia402::DriveState;
 use crate::config::Limits;
 use cable_robot::plan::ControllerInputs;
@@ -12,11 +12,13 @@ impl Bridge {
     pub(super) fn measure(&mut self) {
         let (mut limits, time, commanded) = (self.config.limits, self.time, self.commanded);
         let patience = self.config.cycles(limits.disagreement_time);
+        let bridged = self.config.period * u64::from(limits.lost_cycles + 1);
+        let patience_for_good = self.config.heartbeat.timeout.max(bridged);
         // Nothing hangs on what an encoder says while no torque is on: a platform that falls may be fast, and stop at once.
         let has_torque = self.is_pulling();
         let takes_up_slack = matches!(self.mode, Mode::TakingUpSlack { .. });
-        // Nor while a person puts the platform down, who stops it at once.
-        if !has_torque || takes_up_slack || self.is_survey {
+        // Nor while it hangs and may touch its stand, nor while a person puts it down, who stops it at once.
+        if !matches!(self.mode, Mode::Ready | Mode::Enabled { .. }) || self.is_survey {
             limits.freeze_speed = f64::INFINITY;
         }
         let is_first_pull =
@@ -25,7 +27,7 @@ impl Bridge {
         if takes_up_slack {
             limits.stuck = f64::INFINITY;
         }
-        let is_compared = has_torque && !takes_up_slack && !matches!(self.mode, Mode::Stopping { .. });
+        let is_compared = has_torque && !takes_up_slack && !self.is_on_its_way();
         for i in 0..self.cables() {
             let winch = &self.config.drives[i].winch;
             // Slower than two counts a cycle no encoder tells rest from motion.
@@ -40,6 +42,7 @@ impl Bridge {
                 cell = cell.and_then(|()| self.cells[i].excess(i + 1, commanded[i], patience));
             }
             if has_torque {
+                self.drives[i].encoder.give_up(time, patience_for_good);
                 self.expect(encoder);
                 self.expect(cell);
             }
@@ -55,6 +58,7 @@ impl Bridge {
     /// An encoder that says the same to the last count while another cable moved by `freeze_travel` is frozen.
     fn compare_encoders(&mut self, is_compared: bool) -> Result<(), Fault> {
         let lengths = self.lengths();
+        let is_sound = PerCable::from_fn(self.cables(), |i| self.is_sound(i));
         for i in 0..self.cables() {
             let travel = self.config.limits.freeze_travel.max(self.blind_travel(i));
             let encoder = &mut self.drives[i].encoder;
@@ -62,7 +66,7 @@ impl Bridge {
                 self.still_since[i] = lengths;
             }
             let moved = |j: usize| (lengths[j] - self.still_since[i][j]).abs();
-            if (0..lengths.len()).any(|j| moved(j) > travel) {
+            if is_sound[i] && (0..lengths.len()).any(|j| is_sound[j] && moved(j) > travel) {
                 encoder.has_failed = true;
                 return Err(Fault::EncoderFrozen { cable: i + 1 });
             }
@@ -110,9 +114,10 @@ impl Bridge {
         };
         self.measured_pose = None;
         let limits = self.config.limits;
-        let is_sound = |drive: &DriveMonitor| drive.encoder.is_alive(&limits) && !drive.encoder.has_failed;
-        let is_measured = self.drives.iter().all(is_sound);
-        let is_well = self.pending.is_empty();
+        let is_measured = (0..self.cables()).all(|i| self.is_sound(i));
+        // A length that nobody believes belongs to no pose; a shadow computes what the controller would, whatever comes.
+        let is_shadow = matches!(self.mode, Mode::Shadow { .. });
+        let is_well = self.pending.is_empty() && (is_shadow || self.lost_encoders() == 0);
         if !is_followed || !(is_well || is_measured) {
             return;
         }

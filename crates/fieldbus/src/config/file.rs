@@ -87,6 +87,7 @@ struct SafeEntry {
     ramp: Spanned<f64>,
     stiffness: Spanned<f64>,
     damping: Spanned<f64>,
+    hold_time: Option<Spanned<f64>>,
 }
 
 #[derive(Default, Deserialize)]
@@ -169,12 +170,7 @@ pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
         home: home(&check, &file.home, &rig.rig)?,
         slack: slack(&check, &file.slack)?,
         limits: limits(&check, &file.limits, &rig.rig, home(&check, &file.home, &rig.rig)?)?,
-        safe: Safe {
-            output: file.safe.output,
-            ramp: time(&check, &file.safe.ramp, "safe.ramp", 0.0..=10.0)?,
-            stiffness: check.within(&file.safe.stiffness, "safe.stiffness", 0.0..=LARGE, "N/m")?,
-            damping: check.within(&file.safe.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
-        },
+        safe: safe(&check, &file.safe)?,
         controller,
         name: file.name.clone(),
         buses,
@@ -221,6 +217,24 @@ fn slack(check: &Checked, entry: &SlackEntry) -> Result<Slack, Refused> {
         pretension: check.within(&entry.pretension, "slack.pretension", 0.1..=LARGE, "N")?,
         ramp: time(check, &entry.ramp, "slack.ramp", 0.01..=60.0)?,
         most: check.within(&entry.most, "slack.most", 1e-4..=10.0, "m")?,
+    })
+}
+
+/// Who let go has so long to enable again, s.
+const HOLD_TIME: f64 = 10.0;
+
+fn safe(check: &Checked, entry: &SafeEntry) -> Result<Safe, Refused> {
+    // Winches that do not resist neither keep the platform level nor can let it down.
+    let least = if entry.output == SafeOutput::TorqueOff { 0.0 } else { SMALL };
+    Ok(Safe {
+        output: entry.output,
+        ramp: time(check, &entry.ramp, "safe.ramp", 0.0..=10.0)?,
+        stiffness: check.within(&entry.stiffness, "safe.stiffness", least..=LARGE, "N/m")?,
+        damping: check.within(&entry.damping, "safe.damping", 0.0..=LARGE, "N s/m")?,
+        hold_time: match &entry.hold_time {
+            Some(given) => time(check, given, "safe.hold_time", 0.0..=3600.0)?,
+            None => (1e9 * HOLD_TIME) as u64,
+        },
     })
 }
 

@@ -208,6 +208,8 @@ pub struct Safe {
     pub stiffness: f64,
     /// The same for every m/s that it gets longer, N s/m.
     pub damping: f64,
+    /// A platform that hangs is held so long, from when the controller's tensions ended, before it is let down.
+    pub hold_time: Nanoseconds,
 }
 
 /// What to pull when something failed or the operator let go.
@@ -283,6 +285,10 @@ pub fn rig_path(text: &str) -> Result<String, ConfigError> {
 /// Of [`Limits::lost_cycles`].
 pub const MOST_LOST_CYCLES: u32 = 100;
 
+/// The fastest that the platform is let down, m/s: half of what it may land with. A small rig goes slower: this share of its shortest cable at home a second.
+const LOWERING_SPEED: f64 = 0.05;
+const LOWERING_SHARE: f64 = 0.05;
+
 /// How fast cables may become, as a share of the speed that counts as a mistake of an encoder.
 const SHARE_OF_CABLE_SPEED: f64 = 0.8;
 
@@ -314,6 +320,12 @@ impl Config {
             max_cable_speed,
             ..parameters
         }
+    }
+
+    /// How fast the platform is let down, m/s.
+    pub fn lowering_speed(&self) -> f64 {
+        let shortest = self.rig.cables_at(&self.home).length.iter().copied().fold(f64::INFINITY, f64::min);
+        LOWERING_SPEED.min(LOWERING_SHARE * shortest)
     }
 
     /// Cycles in a time, at least one.

@@ -19,12 +19,17 @@ use super::Nanoseconds;
 use super::config::Config;
 use super::frame::Frame;
 use cable_robot::robot::{ParameterError, PerCable, Pose};
+use nalgebra::Vector3;
 use winding::Winding;
 
 use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
 const LIFTS_AT: f64 = 0.98;
+/// It is on its stand again where it comes down within this share of the shortest cable at home of where it stood: to the side of the home pose,
+/// and as far below it, since the stand gives way. What hovers there is not touched by it.
+const STAND: f64 = 0.02;
+const STAND_GIVES_WAY: f64 = 0.002;
 /// The floor is so far below the home pose, m.
 const FLOOR: f64 = 0.3;
 /// A person moves the platform at this share of the speed that counts as a mistake of an encoder.
@@ -54,6 +59,10 @@ struct Placing {
 }
 
 impl Placing {
+    fn at(pose: Pose) -> Self {
+        Self { from: pose, to: pose, share: 1.0, speed: 0.0 }
+    }
+
     fn pose(&self) -> Pose {
         if self.share < 1.0 { Pose(self.from.0 + self.to.minus(&self.from) * self.share) } else { self.to }
     }
@@ -98,7 +107,7 @@ impl SimulatedRig {
                 .map(|length| Winding::taut(*length))
                 .collect(),
             home_length: rig.cables_at(&config.home).length,
-            placing: Placing { from: config.home, to: config.home, share: 1.0, speed: 0.0 },
+            placing: Placing::at(config.home),
             config,
             plant,
             support: Support::Stand,
@@ -200,6 +209,10 @@ impl SimulatedRig {
         if self.support == Support::Cables && h > 0.0 {
             if self.plant.step(&inputs, h).is_err() || self.fallen() > FLOOR {
                 self.support = Support::Floor;
+            } else if self.touches_stand() {
+                (self.support, self.placing) =
+                    (Support::Stand, Placing::at(self.plant.outputs().encoder_pose));
+                self.stand(&inputs);
             }
         } else if self.support == Support::Stand {
             self.placing.share = (self.placing.share + h * self.placing.speed).min(1.0);
@@ -207,10 +220,25 @@ impl SimulatedRig {
         }
     }
 
+    fn shortest_at_home(&self) -> f64 {
+        self.home_length.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    fn touches_stand(&self) -> bool {
+        let (way, down) = (self.from_home(), self.config.rig.gravity.normalize());
+        let aside = (way - down * way.dot(&down)).norm();
+        let is_there = aside < STAND * self.shortest_at_home()
+            && self.fallen() > STAND_GIVES_WAY * self.shortest_at_home();
+        is_there && self.plant.outputs().velocity.dot(&down) > 0.0
+    }
+
+    fn from_home(&self) -> Vector3<f64> {
+        self.plant.outputs().encoder_pose.position() - self.config.home.position()
+    }
+
     /// How far the platform is below the home pose, m.
     fn fallen(&self) -> f64 {
-        let way = self.plant.outputs().encoder_pose.position() - self.config.home.position();
-        way.dot(&self.config.rig.gravity.normalize())
+        self.from_home().dot(&self.config.rig.gravity.normalize())
     }
 
     /// At rest where it was put, whatever the motors pull, until they carry the weight.

@@ -104,6 +104,7 @@ fn number(state: State) -> i32 {
         State::Enabled => 5,
         State::Stopping => 6,
         State::Safe => 7,
+        State::Lowering => 9,
         // The others are for other programs: one that makes a survey, one that is shut down, one that only looks on.
         State::Fault | State::Trying | State::Off | State::Shadow => 8,
     }

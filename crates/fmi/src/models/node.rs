@@ -138,6 +138,7 @@ const STATE_TYPE: Enumeration = Enumeration {
         ("Stopping", "On the way to the safe output"),
         ("Safe", "The safe output, after enable was let go"),
         ("Fault", "The safe output, after a fault"),
+        ("Lowering", "The platform is let down to its stand"),
     ],
 };
 const SUPPORT_TYPE: Enumeration = Enumeration {

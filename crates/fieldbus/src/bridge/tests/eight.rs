@@ -18,12 +18,13 @@ fn a_rig_of_eight_cables_makes_its_move_within_the_limits_of_its_rig_file() {
     let mut bench = eight();
     assert!(bench.start(), "{:?}", bench.events);
     bench.run(1.0);
-    bench.go_to(0.3, 0.2, 2.1);
+    // Its stand is below.
+    bench.go_to(0.3, 0.2, 1.9);
     let reports = bench.run(12.0);
     let last = reports.last().unwrap();
     assert_eq!((last.state, last.fault), (State::Enabled, None), "{:?}", bench.events);
     let there = bench.rig.plant().encoder_pose.position();
-    assert!((there - nalgebra::Vector3::new(0.3, 0.2, 2.1)).norm() < 0.01, "{there}");
+    assert!((there - nalgebra::Vector3::new(0.3, 0.2, 1.9)).norm() < 0.01, "{there}");
     let measured = || reports.iter().flat_map(|report| report.measured);
     let (least, most) = (measured().fold(f64::INFINITY, f64::min), measured().fold(0.0, f64::max));
     println!("between {least:.1} and {most:.1} N");

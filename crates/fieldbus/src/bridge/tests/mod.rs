@@ -1,5 +1,6 @@
 //! The bridge against the simulated rig, in memory.
 
+mod coming_down;
 mod eight;
 mod faults;
 mod first_day;
@@ -252,9 +253,10 @@ fn no_frames_make_the_bridge_panic_or_pull_more_than_allowed() {
                 OperatorCommand::Release,
                 OperatorCommand::Reset,
                 OperatorCommand::Enable,
+                OperatorCommand::Lower,
             ];
             if random.random_range(0..20) == 0 {
-                let _ = bench.bridge.operator(commands[random.random_range(0..4)], bench.now);
+                let _ = bench.bridge.operator(commands[random.random_range(0..commands.len())], bench.now);
             }
             let late = random.random_range(0..2_000_000);
             let report = bench.cycle_at(bench.now + 3_000_000 + late);

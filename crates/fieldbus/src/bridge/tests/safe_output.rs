@@ -28,11 +28,13 @@ fn letting_go_and_not_pressing_again_in_time_ramp_to_the_safe_output() {
 }
 
 #[test]
-fn shutting_down_goes_through_the_safe_output_to_drives_that_are_off() {
+fn shutting_down_goes_through_the_safe_output_and_the_stand_to_drives_that_are_off() {
     let mut bench = moving(bench(), 0.4);
     bench.bridge.operator(OperatorCommand::Shutdown, bench.now).unwrap();
     assert_eq!(bench.cycle().state, State::Stopping);
-    assert!(bench.run_until(State::Off, 0.31));
+    assert!(bench.run_until(State::Lowering, 0.31));
+    assert!(bench.run_until(State::Off, 20.0));
+    assert_eq!(bench.rig.support(), Support::Stand);
     bench.run(0.02);
     assert!(bench.bridge.is_off());
     assert!(bench.rig.drives.iter().all(|drive| drive.state() == DriveState::SwitchOnDisabled));
@@ -120,7 +122,7 @@ fn after_a_reset_of_a_hanging_platform_the_encoders_are_believed_again() {
     bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
     bench.run(1.0);
     bench.bridge.operator(OperatorCommand::Reset, bench.now).unwrap();
-    assert!(bench.run_until(State::Homing, 5.0), "{:?}", bench.events.last());
+    assert!(bench.run_until(State::Homing, 25.0), "{:?}", bench.events.last());
     // As an encoder sees a fall that ends.
     let winch = bench.bridge.config.drives[2].winch;
     for k in 0..200 {
