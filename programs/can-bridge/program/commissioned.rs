@@ -28,6 +28,8 @@ pub enum Step {
     Watchdog,
     /// Lengths and measured poses agree.
     Poses,
+    /// The platform weighs what the rig file says.
+    Weigh,
 }
 
 /// Steps with what they depended on, and the drives.
@@ -47,7 +49,7 @@ impl Step {
         [Self::Zero]
             .into_iter()
             .chain((0..cables).map(Self::Pull))
-            .chain([Self::Watchdog, Self::Poses])
+            .chain([Self::Watchdog, Self::Poses, Self::Weigh])
             .collect()
     }
 
@@ -58,6 +60,7 @@ impl Step {
             Self::Pull(cable) => format!("pull {}", cable + 1),
             Self::Watchdog => "watchdog".to_owned(),
             Self::Poses => "poses".to_owned(),
+            Self::Weigh => "weigh".to_owned(),
         }
     }
 
@@ -70,6 +73,7 @@ impl Step {
             Self::Zero => digest(&config.load_cells),
             Self::Pull(cable) => digest(&config.drives[cable]),
             Self::Watchdog => digest(&(addresses, config.heartbeat.drive_watchdog, &config.drive_objects)),
+            Self::Weigh => digest(&(config.rig.mass, config.rig.gravity, ends, &config.load_cells)),
             Self::Poses => digest(&(addresses, winches, ends, config.rig.gravity, config.home)),
         }
     }
@@ -122,7 +126,7 @@ impl Record {
         let same = |cable: usize| self.drives.get(cable) == Some(&drives[cable]);
         let changed: Vec<_> = (0..drives.len()).filter(|cable| !same(*cable)).collect();
         let stays = |step: Step| match step {
-            Step::Zero => true,
+            Step::Zero | Step::Weigh => true,
             Step::Pull(cable) => !changed.contains(&cable),
             Step::Watchdog | Step::Poses => changed.is_empty(),
         };
@@ -161,7 +165,7 @@ mod tests {
         let config = config();
         let record = complete(&config);
         assert_eq!(record.missing(&config), Vec::<String>::new());
-        assert_eq!(Record::default().missing(&config).len(), 9);
+        assert_eq!(Record::default().missing(&config).len(), 10);
         let asks = |change: &dyn Fn(&mut Config)| {
             let mut changed = config.clone();
             change(&mut changed);
@@ -171,9 +175,10 @@ mod tests {
         assert_eq!(asks(&|config| config.limits.tilt *= 2.0), Vec::<String>::new());
         assert_eq!(asks(&|config| config.drives[2].winch.pulley_radius *= 1.01), ["pull 3", "poses"]);
         assert_eq!(asks(&|config| config.home.0[0] += 1e-3), ["poses"]);
-        assert_eq!(asks(&|config| config.load_cells[0].cell.offset += 0.1), ["zero"]);
+        assert_eq!(asks(&|config| config.load_cells[0].cell.offset += 0.1), ["zero", "weigh"]);
         assert_eq!(asks(&|config| config.heartbeat.drive_watchdog *= 2), ["watchdog"]);
-        assert_eq!(asks(&|config| config.rig.cables[0].anchor.x += 1e-3), ["poses"]);
+        assert_eq!(asks(&|config| config.rig.cables[0].anchor.x += 1e-3), ["poses", "weigh"]);
+        assert_eq!(asks(&|config| config.rig.mass += 0.1), ["weigh"]);
     }
 
     #[test]

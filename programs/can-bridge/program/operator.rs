@@ -25,7 +25,7 @@ const QUEUE: usize = 256;
 const LONGEST_LINE: usize = 256;
 const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   l let the platform down   r down and reset   q down and off";
 
-const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   any other key: let go   r reset   q off, and the verdict";
+const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   m lift a little and weigh, until the next key   any other key: let go   r reset   q off, and the verdict";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(
@@ -99,6 +99,7 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
             }
             Some(_) => {
                 held = match key[0].checked_sub(b'1') {
+                    _ if key[0] == b'm' && survey.is_some() && held.is_none() => Some(OperatorCommand::Weigh),
                     // The motor of cable 1 to 9 pulls until the next key.
                     Some(cable @ 0..9) if survey.is_some() && held.is_none() => {
                         Some(OperatorCommand::Pull(cable.into()))
@@ -199,6 +200,7 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "shutdown" => OperatorCommand::Shutdown,
         "goal" => return pose("goal", words.collect()).map(|pose| Some(OperatorCommand::Goal(pose))),
         "pull" => return cable(words.collect()).map(Some),
+        "weigh" => OperatorCommand::Weigh,
         "zero" => OperatorCommand::Zero,
         "watchdog" => OperatorCommand::TryWatchdog,
         "placed" => return pose("placed", words.collect()).map(|pose| Some(OperatorCommand::Placed(pose))),
@@ -224,6 +226,7 @@ pub fn text(command: &OperatorCommand) -> String {
         OperatorCommand::Reset => "reset".to_owned(),
         OperatorCommand::Shutdown => "shutdown".to_owned(),
         OperatorCommand::Pull(cable) => format!("pull {}", cable + 1),
+        OperatorCommand::Weigh => "weigh".to_owned(),
         OperatorCommand::Zero => "zero".to_owned(),
         OperatorCommand::TryWatchdog => "watchdog".to_owned(),
         OperatorCommand::Goal(pose) => numbers("goal", pose),
@@ -283,6 +286,7 @@ mod tests {
             OperatorCommand::Placed(pose),
             OperatorCommand::Pull(2),
             OperatorCommand::Zero,
+            OperatorCommand::Weigh,
             OperatorCommand::TryWatchdog,
         ] {
             assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));

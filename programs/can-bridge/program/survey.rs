@@ -25,6 +25,8 @@ pub struct Survey {
     plan: Plan,
     /// What a load cell may say of a slack cable, N.
     most_at_rest: f64,
+    /// By how much load cells that were zeroed may be off together, kg.
+    mass_accuracy: f64,
     measured: Mutex<Vec<Placement>>,
     /// Steps that were passed, and the pull that waits for what a person saw.
     passed: Mutex<Vec<Step>>,
@@ -35,11 +37,20 @@ impl Survey {
     /// For a platform that is placed with errors of these standard deviations, m and rad.
     pub fn new(config: &Config, (position, angle): (f64, f64)) -> Self {
         let accuracy = Accuracy::of_placing(position, angle, &config.rig);
+        let up = -config.rig.gravity.normalize();
+        let lift: f64 = config
+            .rig
+            .cables_at(&config.home)
+            .direction
+            .iter()
+            .map(|direction| direction.dot(&up).abs())
+            .sum();
         Self {
             file: World::of(config),
             plan: Plan::new(config, &accuracy),
             accuracy,
             most_at_rest: config.limits.disagreement,
+            mass_accuracy: SHARE_AT_REST * config.limits.disagreement * lift / config.rig.gravity.norm(),
             measured: Mutex::new(vec![]),
             passed: Mutex::new(vec![]),
             pulled: Mutex::new(None),
@@ -57,6 +68,7 @@ impl Survey {
                 self.pass(Step::Watchdog);
                 None
             }
+            Event::Weighed { mass, .. } => Some(self.judge_mass(*mass)),
             Event::Pulled { cable, came_in, .. } => {
                 let is_right = farthest(came_in) == (*cable, true);
                 *self.pulled.lock().ok()? = is_right.then_some(*cable);
@@ -64,6 +76,19 @@ impl Survey {
             }
             _ => None,
         }
+    }
+
+    fn judge_mass(&self, mass: f64) -> String {
+        let (believed, most) = (self.file.rig.mass, self.mass_accuracy);
+        if (mass - believed).abs() <= most {
+            self.pass(Step::Weigh);
+            return format!(
+                "the rig file says {believed} kg: right within the {most:.2} kg that load cells may be off by"
+            );
+        }
+        format!(
+            "THE RIG FILE SAYS {believed} kg, and load cells are off by {most:.2} kg at most: correct platform.mass, or the cells' scale"
+        )
     }
 
     /// A person saw what the last pull was to show.
@@ -144,7 +169,7 @@ impl Survey {
     fn next(&self) -> String {
         match self.asked() {
             Some(pose) => format!("put the platform at {}, let it rest, then placed (key p)", at(&pose)),
-            None => "every pose was measured: shutdown (key q) ends with the verdict".to_owned(),
+            None => "every pose was measured: put the platform back on its stand at home and hold weigh (key m), or shutdown (key q) for the verdict".to_owned(),
         }
     }
 

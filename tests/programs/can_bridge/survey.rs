@@ -99,6 +99,10 @@ fn a_rig_is_commissioned_and_only_then_enabled_and_only_as_it_was() {
     until_said(&mut program, "] Homing", 9, None);
     thread::sleep(Duration::from_millis(500));
     measure_poses(&lab, &mut program);
+    lab.suffer("place 0 0 1 0 0 0");
+    thread::sleep(Duration::from_secs(5));
+    until_said(&mut program, "right within the", 1, Some("weigh"));
+    until_said(&mut program, "] Ready", 2, Some("weigh"));
     program.tell("shutdown");
     let code = program.exit_code();
     print!("{}", program.messages());

@@ -18,6 +18,7 @@ mod survey;
 mod tests;
 mod trial;
 mod watch;
+mod weigh;
 
 pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
@@ -468,12 +469,12 @@ impl Bridge {
         match self.mode {
             Mode::TakingUpSlack { step, .. } => step.is_some(),
             Mode::Ready | Mode::Enabled { .. } | Mode::Lowering { .. } => true,
+            Mode::Trying(trial) => trial.is_lift(),
             Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
             Mode::Listening { .. }
             | Mode::Quieting { .. }
             | Mode::Configuring
             | Mode::Homing { .. }
-            | Mode::Trying(_)
             | Mode::Off
             | Mode::Shadow { .. } => false,
         }

@@ -1,6 +1,7 @@
 //! From state to state: what the operator asks, what time and nodes bring about, and what a fault does.
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
+use super::weigh::Lift;
 use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Trial};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
@@ -45,6 +46,9 @@ impl Bridge {
             {
                 return self.pull(cable, now);
             }
+            (OperatorCommand::Weigh, Mode::Ready | Mode::Trying(Trial::Weigh { .. })) if self.is_survey => {
+                return self.weigh(now);
+            }
             (OperatorCommand::Zero, Mode::Homing { .. }) if self.is_survey => return self.zero(now),
             (OperatorCommand::TryWatchdog, Mode::Homing { .. }) if self.is_survey => {
                 return self.try_watchdog(now);
@@ -75,6 +79,8 @@ impl Bridge {
                 );
                 if is_under_way {
                     self.come_down(Cause::Released);
+                } else if let Mode::Trying(Trial::Weigh { given, share, .. }) = self.mode {
+                    self.mode = Mode::Trying(Trial::Weigh { given, share, lift: Lift::Down });
                 }
             }
             (OperatorCommand::Lower, mode) => {

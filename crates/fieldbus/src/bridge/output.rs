@@ -22,6 +22,7 @@ impl Bridge {
             Mode::TakingUpSlack { step, .. } => {
                 (step.map_or(nothing, |step| self.slack_pull(&step)), Demand::Enabled)
             }
+            Mode::Trying(trial) if trial.is_lift() => (self.trial_pull(&trial), Demand::Keep),
             Mode::Trying(trial) => (self.trial_pull(&trial), Demand::Enabled),
             Mode::Ready => (PerCable::filled(self.cables(), self.config.slack.pretension), Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {

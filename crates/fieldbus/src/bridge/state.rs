@@ -62,6 +62,8 @@ pub enum OperatorCommand {
     Placed(Pose),
     /// The motor of a cable (from 0) shall pull a little; in Homing, in a survey. To be given again within `timeouts.enable`.
     Pull(usize),
+    /// The platform, on its stand at home, shall be lifted a little and weighed; in Ready, in a survey. To be given again within `timeouts.enable`.
+    Weigh,
     /// Every cable is slack: what do the load cells say; in Homing, in a survey.
     Zero,
     /// Whether the drives stop by themselves when the bridge is silent; in Homing, in a survey.
@@ -107,6 +109,14 @@ pub enum Refusal {
         cable: usize,
         /// m/s.
         speed: f64,
+    },
+    /// The platform does not stand at home.
+    #[error("cable {cable} is {off:+.4} m off its length at home: put the platform back on its stand")]
+    NotAtHome {
+        /// From 1.
+        cable: usize,
+        /// m.
+        off: f64,
     },
     /// Something is missing.
     #[error("not yet: {0}")]
@@ -154,6 +164,17 @@ pub enum Event {
         /// By how much each encoder says that its cable came in, m.
         came_in: PerCable<f64>,
     },
+    /// The platform was lifted, and its load cells read at rest.
+    Weighed {
+        /// That they carry, kg.
+        mass: f64,
+        /// How much higher than at home it hung, m.
+        rise: f64,
+        /// Its largest angle, rad.
+        tilt: f64,
+    },
+    /// It did not leave its stand.
+    NotLifted,
     /// What each load cell said of a slack cable, N, in the mean.
     Zeroed(PerCable<f64>),
     /// Every drive left Operation enabled by itself when nothing was sent any more.

@@ -1,6 +1,7 @@
-//! Trials on the stand, in a survey only: one motor pulls a little; all drives lose the bridge. Nothing pulls outside of them, so what encoders and
+//! Trials on the stand, in a survey only: one motor pulls a little; all drives lose the bridge; the platform is weighed. While nothing hangs on them, what encoders and
 //! load cells say is not judged.
 
+use super::weigh::Lift;
 use super::{Bridge, Cause, Event, Fault, FrameQueue, Mode, Refusal};
 use crate::Nanoseconds;
 use crate::canopen::{Node, SdoRequest, SdoResponse, SdoResult};
@@ -9,6 +10,8 @@ use cable_robot::robot::PerCable;
 
 /// A pull ends when a cable has moved by this share of `slack.most`.
 const TRAVEL: f64 = 0.1;
+/// A platform is weighed at this share of `slack.most` above its stand.
+pub(super) const LIFT: f64 = 0.4;
 /// Silence lasts so many times as long as the drives' watchdog.
 const SILENCE: u64 = 2;
 /// A status word is asked for so often, once a `timeouts.service`.
@@ -34,6 +37,13 @@ pub(super) enum Trial {
         sum: PerCable<f64>,
         cycles: u32,
     },
+    /// From Ready: the platform is lifted a little.
+    Weigh {
+        given: Nanoseconds,
+        /// Of its weight that is carried.
+        share: f64,
+        lift: Lift,
+    },
     /// All drives are led up, without torque.
     WatchdogUp { since: Nanoseconds },
     /// Nothing is sent, as if the bridge had been killed.
@@ -48,11 +58,16 @@ impl Trial {
         matches!(self, Self::Silence { .. } | Self::Asking { .. })
     }
 
+    /// Whether the platform may hang on its cables, so that everything is watched as in Ready.
+    pub fn is_lift(&self) -> bool {
+        matches!(self, Self::Weigh { .. })
+    }
+
     /// Whether drives are to be in Operation enabled, those of these cables among them.
     pub fn leads_up(&self, cables: impl IntoIterator<Item = usize>) -> bool {
         match self {
             Self::Pull { cable, .. } => cables.into_iter().any(|i| i == *cable),
-            Self::WatchdogUp { .. } => true,
+            Self::WatchdogUp { .. } | Self::Weigh { .. } => true,
             Self::Zero { .. } | Self::Silence { .. } | Self::Asking { .. } => false,
         }
     }
@@ -104,6 +119,9 @@ impl Bridge {
     /// What a trial pulls, N.
     pub(super) fn trial_pull(&self, trial: &Trial) -> PerCable<f64> {
         let mut tension = PerCable::filled(self.cables(), 0.0);
+        if let Trial::Weigh { share, .. } = *trial {
+            return self.weighing_pull(share);
+        }
         if let Trial::Pull { cable, begun: Some((begun, _)), .. } = *trial {
             tension[cable] = self.config.slack.pretension * self.share(begun, self.config.slack.ramp / 4);
         }
@@ -137,6 +155,7 @@ impl Bridge {
                     self.enter(Mode::Homing { since: self.time });
                 }
             }
+            Trial::Weigh { given, share, lift } => self.lift(given, share, lift),
             Trial::WatchdogUp { since } => {
                 let is_up = |i: &usize| self.drives[*i].state == Some(DriveState::OperationEnabled);
                 match (0..self.cables()).find(|i| !is_up(i)) {

@@ -110,7 +110,8 @@ impl Bridge {
         let is_followed = match self.mode {
             Mode::TakingUpSlack { .. } => false,
             Mode::Shadow { is_homed } => is_homed,
-            _ => self.is_pulling() && !self.is_survey,
+            Mode::Ready => !self.is_survey,
+            _ => self.is_pulling(),
         };
         self.measured_pose = None;
         let limits = self.config.limits;

@@ -119,7 +119,12 @@ fn report(log: &Log, time: u64, event: &Event) {
         }
         Event::Entered(state) => (Category::Events, format!("{state}")),
         // A node of an FMU makes no survey.
-        Event::Placed(..) | Event::Pulled { .. } | Event::Zeroed(_) | Event::WatchdogProved => return,
+        Event::Placed(..)
+        | Event::Pulled { .. }
+        | Event::Zeroed(_)
+        | Event::Weighed { .. }
+        | Event::NotLifted
+        | Event::WatchdogProved => return,
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
     };

@@ -155,3 +155,75 @@ fn a_drive_that_was_exchanged_after_commissioning_is_found_before_any_torque() {
         assert_eq!(bench.bridge.fault(), exchanged.then_some(Fault::AnotherDrive { node: 3 }));
     }
 }
+
+/// In Ready, with a platform that weighs this share of what is believed.
+fn ready(belief: Config, share: f64) -> Bench {
+    let mut truth = belief.clone();
+    truth.rig.mass *= share;
+    let imperfections = PlantParameters {
+        friction: 0.2,
+        load_cell_noise: 0.05,
+        motor_lag: 2e-3,
+        ..PlantParameters::default()
+    };
+    let mut bench = Bench::believing(truth, belief, imperfections).unwrap().surveying();
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.1);
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+    bench
+}
+
+/// Holds the button until it does nothing any more. The highest and the most tilted that the platform was.
+fn weigh(bench: &mut Bench) -> (Option<Event>, f64, f64) {
+    let (mut highest, mut tilt) = (0f64, 0f64);
+    while bench.bridge.operator(OperatorCommand::Weigh, bench.now).is_ok() {
+        bench.cycle();
+        let pose = bench.rig.plant().encoder_pose;
+        let rise = bench.bridge.config().home.0[2] - pose.0[2];
+        (highest, tilt) = (highest.max(rise.abs()), tilt.max(pose.angles().amax()));
+    }
+    let is_weight = |event: &Event| matches!(event, Event::Weighed { .. } | Event::NotLifted);
+    (bench.events.iter().map(|(_, event)| *event).rfind(is_weight), highest, tilt)
+}
+
+#[test]
+fn a_platform_is_weighed_within_two_centimetres_of_its_stand() {
+    for belief in [parse(AKD).unwrap(), crate::config::tests::eight()] {
+        for share in [0.67, 0.92, 1.0, 1.08, 1.33] {
+            let mass = share * belief.rig.mass;
+            let mut bench = ready(belief.clone(), share);
+            let (event, highest, tilt) = weigh(&mut bench);
+            println!("{mass:.2} kg: {event:?}, at most {:.1} mm up, {tilt:.4} rad", 1e3 * highest);
+            assert_eq!(bench.bridge.fault(), None, "{:?}", bench.events);
+            let Some(Event::Weighed { mass: weighed, .. }) = event else { panic!("{mass}: {event:?}") };
+            assert!((weighed - mass).abs() < 0.02 * mass, "{mass}: {weighed}");
+            assert!(highest < 0.02 && tilt < 0.05, "{mass}: {highest} {tilt}");
+            assert_eq!(bench.bridge.state(), State::Ready);
+            assert_eq!(bench.rig.support(), crate::simulated::Support::Stand);
+        }
+    }
+}
+
+#[test]
+fn a_platform_that_is_too_heavy_or_held_is_not_lifted() {
+    let mut bench = ready(parse(AKD).unwrap(), 2.0);
+    let (event, highest, _) = weigh(&mut bench);
+    assert_eq!((event, highest), (Some(Event::NotLifted), 0.0), "{:?}", bench.events);
+}
+
+#[test]
+fn a_lift_ends_when_it_is_let_go_and_is_refused_away_from_home() {
+    let mut bench = ready(parse(AKD).unwrap(), 1.0);
+    for _ in 0..1200 {
+        bench.bridge.operator(OperatorCommand::Weigh, bench.now).unwrap();
+        bench.cycle();
+    }
+    assert!(bench.rig.plant().encoder_pose.0[2] < 0.999, "it hangs");
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    assert!(bench.run_until(State::Ready, 5.0), "{:?}", bench.events);
+    assert!(!bench.events.iter().any(|(_, event)| matches!(event, Event::Weighed { .. })));
+    bench.suffer("place 0.1 0 1 0 0 0").unwrap();
+    bench.run(5.0);
+    let refused = bench.bridge.operator(OperatorCommand::Weigh, bench.now);
+    assert!(matches!(refused, Err(Refusal::NotAtHome { .. })), "{refused:?}");
+}

@@ -1,0 +1,136 @@
+//! The first lift, in a survey: some millimetres, on springs around the home pose, for as long as the operator holds it; then the load cells say what hangs on them.
+
+use super::output::blend;
+use super::trial::{LIFT, Trial};
+use super::{Bridge, Event, Mode, Refusal};
+use crate::Nanoseconds;
+use cable_robot::robot::{PerCable, Pose};
+
+/// A platform that this many times its weight does not lift is too heavy, or held.
+const MOST: f64 = 1.5;
+/// It has left its stand at this share of the way that it is led, and hangs at this one.
+const LIFTED: f64 = 0.1;
+const HANGS: f64 = 0.25;
+/// Then the share that is carried is led to where it hangs there, at most this slowly against the ramp: slower than the platform swings on the
+/// springs, so that the two do not rock each other.
+const SLOW: f64 = 0.25;
+/// The whole weight is taken up in so many `slack.ramp`.
+const RAMPS: f64 = 2.0;
+
+/// Where the lift is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Lift {
+    /// More and more of the weight is carried.
+    Up,
+    /// It hangs, and comes to rest.
+    Settling { since: Nanoseconds },
+    /// Load cells are read.
+    Reading { since: Nanoseconds, sum: PerCable<f64>, cycles: u32 },
+    /// Less and less of the weight is carried.
+    Down,
+}
+
+impl Bridge {
+    /// The platform is to be lifted a little; asked again and again while it may.
+    pub(super) fn weigh(&mut self, now: Nanoseconds) -> Result<(), Refusal> {
+        if let Mode::Trying(Trial::Weigh { given, .. }) = &mut self.mode {
+            *given = now;
+            return Ok(());
+        }
+        if self.is_home_stale {
+            return Err(Refusal::StillPressed);
+        }
+        let lengths = self.lengths();
+        let off = |i: usize| lengths[i] - self.home_length[i];
+        if let Some(i) = (0..self.cables()).find(|i| off(*i).abs() > 0.5 * self.lift_height()) {
+            return Err(Refusal::NotAtHome { cable: i + 1, off: off(i) });
+        }
+        self.pose = self.config.home;
+        self.enter(Mode::Trying(Trial::Weigh { given: now, share: 0.0, lift: Lift::Up }));
+        Ok(())
+    }
+
+    /// m.
+    fn lift_height(&self) -> f64 {
+        LIFT * self.config.slack.most
+    }
+
+    fn raised(&self) -> Pose {
+        let (mut pose, up) = (self.config.home, -self.config.rig.gravity.normalize());
+        (0..3).for_each(|axis| pose.0[axis] += self.lift_height() * up[axis]);
+        pose
+    }
+
+    /// With this share of the weight carried, N: what carries it at home, and springs around where it is led.
+    pub(super) fn weighing_pull(&self, share: f64) -> PerCable<f64> {
+        let rig = &self.config.rig;
+        let carried = cable_robot::control::static_tensions(rig, &self.config.home, 0.0);
+        let slack = PerCable::filled(self.cables(), self.config.slack.pretension);
+        let led = blend(&self.home_length, &rig.cables_at(&self.raised()).length, share.min(1.0));
+        let (safe, carried) = (&self.config.safe, carried.unwrap_or(slack));
+        PerCable::from_fn(self.cables(), |i| {
+            let (length, rate) = self.drives[i].encoder.last_measured();
+            let spring = share.min(1.0) * (safe.stiffness * (length - led[i]) + safe.damping * rate);
+            let weight = slack[i] + share * (carried[i].max(0.0) - slack[i]);
+            (weight + spring).clamp(0.0, rig.cables[i].limits.max)
+        })
+    }
+
+    /// The next cycle of a lift.
+    pub(super) fn lift(&mut self, given: Nanoseconds, share: f64, lift: Lift) {
+        let step = self.config.period as f64 / (RAMPS * self.config.slack.ramp as f64);
+        let is_held = self.time.saturating_sub(given) <= self.config.timeouts.enable;
+        let waited = |since: Nanoseconds, time: Nanoseconds| self.time.saturating_sub(since) >= time;
+        let ramp = self.config.slack.ramp;
+        let (share, lift) = match lift {
+            Lift::Down if share <= step => {
+                self.is_home_stale = is_held;
+                return self.enter(Mode::Ready);
+            }
+            Lift::Down => (share - step, Lift::Down),
+            _ if !is_held => (share, Lift::Down),
+            Lift::Up if self.rise() >= LIFTED * self.lift_height() => {
+                (share, Lift::Settling { since: self.time })
+            }
+            Lift::Up if share >= MOST => {
+                self.events.push(self.time, Event::NotLifted);
+                (share, Lift::Down)
+            }
+            Lift::Up => (share + step, Lift::Up),
+            Lift::Settling { since } if waited(since, ramp) && self.too_low().abs() < SLOW => {
+                let sum = PerCable::filled(self.cables(), 0.0);
+                (share, Lift::Reading { since: self.time, sum, cycles: 0 })
+            }
+            Lift::Settling { .. } => (share + step * self.too_low(), lift),
+            Lift::Reading { since, sum, cycles } if waited(since, ramp / 4) => {
+                self.say_weight(&sum.map(|sum| sum / f64::from(cycles.max(1))));
+                (share, Lift::Down)
+            }
+            Lift::Reading { since, sum, cycles } => {
+                let sum = PerCable::from_fn(self.cables(), |i| sum[i] + self.cells[i].tension());
+                (share + step * self.too_low(), Lift::Reading { since, sum, cycles: cycles + 1 })
+            }
+        };
+        self.mode = Mode::Trying(Trial::Weigh { given, share, lift });
+    }
+
+    /// How much higher than home it is, m.
+    fn rise(&self) -> f64 {
+        let way = self.pose.position() - self.config.home.position();
+        -way.dot(&self.config.rig.gravity.normalize())
+    }
+
+    /// How far it is below where it is to hang, as a share of that height.
+    fn too_low(&self) -> f64 {
+        let height = HANGS * self.lift_height();
+        SLOW * ((height - self.rise()) / height).clamp(-1.0, 1.0)
+    }
+
+    fn say_weight(&mut self, tension: &PerCable<f64>) {
+        let (rig, tilt) = (&self.config.rig, self.pose.angles().amax());
+        let (force, _) = rig.cables_at(&self.pose).wrench(tension);
+        let mass = -force.dot(&rig.gravity) / rig.gravity.norm_squared();
+        let event = Event::Weighed { mass, rise: self.rise(), tilt };
+        self.events.push(self.time, event);
+    }
+}
