@@ -19,7 +19,7 @@ fn counted<T>(action: impl FnOnce() -> T) -> (T, usize) {
 }
 
 #[test]
-fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
+fn from_power_on_to_the_goal_and_down_again_the_bridge_allocates_nothing() {
     let lab = RigFile::parse(include_str!("../../rigs/can/lab.toml")).unwrap();
     let config = Config::parse(include_str!("../../rigs/can/akd.toml"), &lab).unwrap();
     let mut rig = SimulatedRig::new(config.clone(), PlantParameters::default()).unwrap();
@@ -41,7 +41,9 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
     controller.start(&still).unwrap();
     let mut bridge = Bridge::new(config);
     let (mut coming, mut calls, mut goal_sent) = (vec![], 0, false);
-    for k in 1..=3000 {
+    // Then it is let down, and off.
+    const DOWN: u64 = 3000;
+    for k in 1..=2 * DOWN {
         let now = k * 4_000_000;
         rig.tick(now, &mut coming);
         calls += counted(|| coming.drain(..).for_each(|(bus, frame)| bridge.on_frame(bus, &frame, now))).1;
@@ -49,6 +51,7 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
         let command = match state {
             State::Homing | State::TakingUpSlack => Some(OperatorCommand::Home),
             State::Ready => Some(OperatorCommand::Enable),
+            State::Enabled if k > DOWN => Some(OperatorCommand::Shutdown),
             State::Enabled if !goal_sent => Some(OperatorCommand::Goal(Pose::at(0.15, 0.15, 1.0))),
             State::Enabled => Some(OperatorCommand::Enable),
             _ => None,
@@ -59,8 +62,9 @@ fn from_power_on_to_the_goal_the_bridge_allocates_nothing() {
         calls += allocations;
         out.frames().iter().for_each(|(bus, frame)| rig.on_frame(*bus, frame, now, &mut coming));
         assert_eq!(report.fault, None);
+        assert!(k != DOWN || state == State::Enabled, "{state}");
     }
-    assert_eq!((bridge.state(), calls), (State::Enabled, 0));
+    assert_eq!((bridge.state(), calls), (State::Off, 0));
 }
 
 /// The same of the node on a simulated bus: what it receives, its cycles, and what it sends. The one step that allocates is the first that asks

@@ -172,8 +172,10 @@ impl Bridge {
         let off = |i: usize| self.drives[i].encoder.length - self.home_length[i];
         let is_loose = (0..self.cables()).all(|i| self.commanded[i] <= self.config.slack.pretension);
         // What is shorter than at home lies on something, and is known to when nothing pulls any more.
-        let is_known = |i: usize| self.is_sound(i) && !self.drives[i].has_left;
-        let is_off = |i: &usize| is_known(*i) && (off(*i) > most || is_loose && off(*i) < -most);
+        // A platform that hangs askew, since a drive pulls no more, has other lengths where it comes down.
+        let is_askew = self.drives.iter().any(|drive| drive.has_left);
+        let is_off =
+            |i: &usize| !is_askew && self.is_sound(*i) && (off(*i) > most || is_loose && off(*i) < -most);
         if let Some(i) = (0..self.cables()).find(is_off) {
             self.fail(Fault::OffStand { cable: i + 1, length: off(i), most });
         } else if is_loose {

@@ -35,6 +35,9 @@ fn the_example_is_right() {
     assert_eq!(config.load_cells[5].cell.encoding, Encoding::F32);
     assert_eq!(config.drive_objects[0].value, Value::u32(1000));
     assert_eq!(config.safe.output, SafeOutput::GravityRamp);
+    assert_eq!(config.safe.hold_time, 10_000_000_000);
+    let speed = config.lowering_speed();
+    assert!(speed == 0.05, "{speed}");
     assert_eq!(config.controller.parameters["forceLoop"], Parameter::Boolean(true));
     assert_eq!(rig_path(AKD).unwrap(), "lab.toml");
     let limits = TensionLimits { min: 0.0, max: 60.0 };
@@ -95,6 +98,12 @@ fn bad_values_are_named_with_their_line() {
             "bus = \"can7\"\nnode = 3",
             "drives[3].bus = can7 is not allowed: must be the name of one of [[buses]]: can0",
         ),
+        (
+            "stiffness = 60.0",
+            "stiffness = 0.0",
+            "safe.stiffness = 0 is not allowed: must be from 0.000001 to",
+        ),
+        ("stiffness = 60.0", "hold_time = -1.0\nstiffness = 60.0", "safe.hold_time = -1 is not allowed"),
         ("scale = 1.0", "scale = 0.0", "load_cells[1].scale = 0"),
         ("range = [-5.0, 150.0]", "range = [5.0, -150.0]", "load_cells[1].range = [5, -150]"),
         ("index = 0x6130", "index = 0x61300", "load_cells[1].index = 398080"),

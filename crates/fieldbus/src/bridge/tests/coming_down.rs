@@ -64,10 +64,11 @@ fn watch(bench: &mut Bench, end: State, seconds: f64) -> Descent {
         let plant = bench.rig.plant();
         let speed = plant.velocity.norm();
         // On its stand it is at rest, and may be lifted again at once.
-        if speed == 0.0 && last > 0.0 {
+        let has_landed = speed == 0.0 || bench.rig.support() == Support::Floor;
+        if has_landed && last > 0.0 {
             descent.landing = Some(descent.landing.unwrap_or(0.0).max(last));
         }
-        last = speed;
+        last = if has_landed { 0.0 } else { speed };
         match bench.rig.support() {
             Support::Cables => {
                 descent.speed = descent.speed.max(speed);
@@ -80,6 +81,18 @@ fn watch(bench: &mut Bench, end: State, seconds: f64) -> Descent {
         }
     }
     descent
+}
+
+/// From what happened until the bridge is in `end` with the motors off.
+fn come_down(bench: &mut Bench, end: State) -> Descent {
+    let held = watch(bench, State::Lowering, 12.0);
+    let led = watch(bench, end, 30.0);
+    Descent {
+        speed: held.speed.max(led.speed),
+        tilt: held.tilt.max(led.tilt),
+        least: held.least.min(led.least),
+        ..led
+    }
 }
 
 fn assert_landed(name: &str, bench: &Bench, descent: &Descent) {
@@ -131,13 +144,7 @@ fn a_hanging_platform_is_let_down_as_the_table_says() {
         let mut bench = hanging(as_believed());
         bench.events.clear();
         cause(&mut bench);
-        let mut descent = watch(&mut bench, State::Lowering, 3.0);
-        let on_the_way = watch(&mut bench, end, 30.0);
-        descent.landing = on_the_way.landing;
-        descent.speed = descent.speed.max(on_the_way.speed);
-        descent.tilt = descent.tilt.max(on_the_way.tilt);
-        descent.least = descent.least.min(on_the_way.least);
-        descent.time = on_the_way.time;
+        let descent = come_down(&mut bench, end);
         assert_eq!(bench.bridge.state(), end, "{name}: {:?}", bench.events);
         assert_landed(name, &bench, &descent);
         assert!(descent.tilt < 0.05 && descent.least > 0.0, "{name}: {descent:?}");
@@ -188,6 +195,8 @@ fn on_its_stand_whatever_happens_the_motors_are_off_at_once() {
 #[test]
 fn a_rig_that_is_not_as_believed_lands_as_softly() {
     type Truth = (&'static str, f64, fn(&mut Config));
+    // A platform of another mass hangs as much farther from where it is led.
+    const FOLLOWING: f64 = 0.06;
     let truths: [Truth; 6] = [
         ("8 % heavier", 0.2, |truth| truth.rig.mass *= 1.08),
         ("8 % lighter", 0.2, |truth| truth.rig.mass *= 0.92),
@@ -201,8 +210,9 @@ fn a_rig_that_is_not_as_believed_lands_as_softly() {
         }),
     ];
     for (name, friction, differ) in truths {
-        // Off course it may be a fault by itself: it is let down all the same.
-        let mut bench = hanging(rig(friction, differ));
+        let mut bench = rig(friction, differ);
+        bench.bridge.config.limits.following = FOLLOWING;
+        let mut bench = hanging(bench);
         command(&mut bench, OperatorCommand::Lower);
         let end = if bench.bridge.fault.is_some() { State::Off } else { State::Homing };
         let descent = watch(&mut bench, end, 20.0);
@@ -212,16 +222,19 @@ fn a_rig_that_is_not_as_believed_lands_as_softly() {
     }
 }
 
+/// Its winch pulls what gravity asks for, the others resist: on the way, and while it hangs aside of its stand and above it.
 #[test]
 fn with_one_encoder_lost_it_comes_down_slowly_and_nearly_level() {
     for cable in 1..=6 {
-        for words in ["jumps 20000", "silent", "frozen"] {
-            let name = format!("drive {cable} {words}");
-            let mut bench = moving(as_believed(), 0.4);
-            bench.suffer(&name).unwrap();
-            let descent = watch(&mut bench, State::Off, 20.0);
-            println!("{name}: {descent:.3?}, {:?}, {:?}", bench.bridge.state(), bench.rig.support());
-        }
+        let words = ["jumps 20000", "frozen", "silent"][cable % 3];
+        let is_moving = words == "frozen";
+        let mut bench = if is_moving { moving(as_believed(), 0.4) } else { hanging(as_believed()) };
+        let name = format!("drive {cable} {words}");
+        bench.suffer(&name).unwrap();
+        let descent = come_down(&mut bench, State::Fault);
+        assert_landed(&name, &bench, &descent);
+        assert!(descent.tilt < 0.1 && descent.least > 0.0, "{name}: {descent:?}");
+        assert_motors_off(&name, &mut bench);
     }
 }
 
@@ -267,21 +280,23 @@ fn encoders_that_are_silent_for_a_moment_are_believed_again() {
     assert!(descent.tilt < 0.05, "{descent:?}");
 }
 
+/// Five cables do not carry it level: it swings aside, is held askew, and comes down so, to its stand or beside it to the floor.
 #[test]
-fn with_one_drive_lost() {
-    for cable in 1..=6 {
+fn with_one_drive_lost_it_is_let_down_until_nothing_pulls() {
+    for cable in [1, 2, 4] {
         let mut bench = as_believed();
-        bench.bridge.config.safe.hold_time = 10 * HOLD;
+        bench.bridge.config.safe.hold_time = 5 * HOLD;
         let mut bench = hanging(bench);
-        bench.events.clear();
         bench.suffer(&format!("drive {cable} emcy 0x2310")).unwrap();
-        let descent = watch(&mut bench, State::Off, 20.0);
-        println!(
-            "drive {cable}: {descent:.3?}, {:?}, {:?} {:?}",
-            bench.bridge.state(),
-            bench.rig.support(),
-            bench.events
-        );
+        let swing = watch(&mut bench, State::Lowering, 10.0);
+        let descent = watch(&mut bench, State::Fault, 30.0);
+        let name = format!("drive {cable} lost");
+        println!("{name}: {swing:.3?}, then {descent:.3?}, {:?}", bench.rig.support());
+        assert_eq!(bench.bridge.state(), State::Fault, "{name}: {:?}", bench.events);
+        assert_ne!(bench.rig.support(), Support::Cables, "{name}");
+        assert!(swing.speed < 1.0 && swing.tilt < 1.2, "{name}: {swing:?}");
+        assert!(descent.landing.is_some_and(|speed| speed < 0.2), "{name}: {descent:?}");
+        assert_motors_off(&name, &mut bench);
     }
 }
 

@@ -88,14 +88,14 @@ fn a_drive_whose_encoder_is_silent_is_not_pulled_harder_and_harder() {
     let mut config = config();
     config.limits.lost_cycles = 100;
     let mut bench = moving(with_noise(config), 0.4);
-    assert!(bench.bridge.drives.iter().any(|drive| drive.encoder.rate.abs() > 0.04), "it does not move");
+    let speed = |i: &usize| bench.bridge.drives[*i].encoder.rate.abs();
+    let i = (0..6).max_by(|i, j| speed(i).total_cmp(&speed(j))).unwrap();
+    assert!(speed(&i) > 0.04, "it does not move");
     bench.inject(0, Frame::new(FrameKind::Error, error_class::BUS_OFF, &[0; 8]).unwrap());
-    bench.rig.drives.iter_mut().for_each(|drive| drive.faults.is_silent = true);
+    bench.rig.drives[i].faults.is_silent = true;
     let reports = bench.run(1.0);
     let Mode::Fault(Some(held)) = bench.bridge.mode else { panic!("{:?}", bench.bridge.mode) };
     for tension in reports[75..].iter().map(|report| report.tension) {
-        for i in 0..6 {
-            assert!((tension[i] - held.tension[i]).abs() < 0.5, "{tension:?}, not {:?}", held.tension);
-        }
+        assert!((tension[i] - held.tension[i]).abs() < 0.5, "{tension:?}, not {:?}", held.tension);
     }
 }
