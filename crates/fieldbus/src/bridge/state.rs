@@ -60,11 +60,28 @@ pub enum OperatorCommand {
     Shutdown,
 }
 
+impl fmt::Display for OperatorCommand {
+    /// As an operator gives it in a line, every number in full.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Home => f.write_str("home"),
+            Self::Enable => f.write_str("enable"),
+            Self::Release => f.write_str("release"),
+            Self::Reset => f.write_str("reset"),
+            Self::Shutdown => f.write_str("shutdown"),
+            Self::Goal(pose) => {
+                f.write_str("goal")?;
+                pose.0.iter().try_for_each(|number| write!(f, " {number}"))
+            }
+        }
+    }
+}
+
 /// Why a command was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
     /// Not now.
-    #[error("{command:?} is not possible in {state}")]
+    #[error("{command} is not possible in {state}")]
     State {
         /// What was asked.
         command: OperatorCommand,
@@ -75,7 +92,7 @@ pub enum Refusal {
     #[error("it is still pressed from before: release it first")]
     StillPressed,
     /// A goal is no pose.
-    #[error("the goal {0:?} is not finite")]
+    #[error("{} is not finite", OperatorCommand::Goal(*.0))]
     Goal(Pose),
     /// A goal is outside of the box.
     #[error("the goal is outside of limits.space: {axis} = {at} m")]
@@ -101,6 +118,17 @@ pub enum Cause {
     Shutdown,
     /// Something failed.
     Fault(Fault),
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Released => f.write_str("the operator let go"),
+            Self::EnableExpired => f.write_str("the operator's button was not given again in time"),
+            Self::Shutdown => f.write_str("the program ends"),
+            Self::Fault(fault) => fault.fmt(f),
+        }
+    }
 }
 
 /// Something to log.

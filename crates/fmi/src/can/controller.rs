@@ -117,8 +117,8 @@ fn report(log: &Log, time: u64, event: &Event) {
             (Category::Warning, format!("{count} emergency messages came at once and were lost"))
         }
         Event::Entered(state) => (Category::Events, format!("{state}")),
-        Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
-        Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
+        Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause}")),
+        Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause}")),
     };
     if log.is_enabled(category) {
         log.send(Status::Ok, category, &format!("{:.3} s after the start: {text}", time as f64 * 1e-9));
