@@ -4,14 +4,17 @@ mod check;
 mod controller;
 mod data_sheet;
 mod entry;
+mod fate;
 mod goals;
 mod journal;
 mod log;
 mod operator;
 mod outlet;
 mod privileges;
+mod prompt;
 mod real_time;
 mod record;
+mod recorder;
 mod replay;
 mod session;
 mod signals;
@@ -35,6 +38,7 @@ use controller::BridgeController;
 use data_sheet::SheetOf;
 use journal::Journal;
 use session::{End, Session};
+use status::Status;
 use terminal::say;
 
 const EXIT_CODES: &str = "\
@@ -185,8 +189,9 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
     let bridge = if arguments.dry_run { Bridge::shadow(config.clone()) } else { Bridge::new(config.clone()) };
     let stop = signals::listen()?;
-    let (commands, _terminal) = operator::listen(config)?;
-    let (teller, journal) = Journal::start(recording, stream, config)?;
+    let (commands, terminal) = operator::listen(config)?;
+    let shown = Status::new(config, controller.parameters())?;
+    let (teller, journal) = Journal::start(recording, stream, shown, terminal.is_some())?;
     real_time::say_panics_briefly();
     if !arguments.no_realtime {
         real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));

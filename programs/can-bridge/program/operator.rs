@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::thread;
 use std::time::Duration;
 
-use super::terminal::say;
+use super::terminal::{say, show_typed};
 use anyhow::{Context, Result};
 use cable_robot::robot::{Coordinates, Pose};
 use cable_robot_fieldbus::{Config, OperatorCommand};
@@ -21,7 +21,9 @@ const NO_KEY: u8 = 0;
 const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
-const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   r reset   q to the safe output and off";
+/// Of a goal that is typed: more is a key that is stuck.
+const LONGEST_GOAL: usize = 60;
+const KEYS: &str = "keys: h the platform stands at home   e enable   g a goal: x y z, Enter   any other key: let go   r reset   q to the safe output and off";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(config: &Config) -> Result<(Consumer<OperatorCommand>, Option<Terminal>)> {
@@ -68,34 +70,87 @@ fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
     }
 }
 
-/// A terminal knows no key that is held: `h` and `e` count as held until the next key, whichever it is.
+/// A terminal knows no key that is held: `h` and `e` count as held until another key.
 fn keys(mut queue: Producer<OperatorCommand>, again: Duration) {
     say(KEYS);
-    let mut held = None;
+    let mut keyboard = Keyboard::default();
     let mut tell = |command| give(&mut queue, command);
     loop {
         let mut key = [0];
-        match read_within(&mut key, held.map(|_| again)) {
-            None => held.into_iter().for_each(&mut tell),
+        match read_within(&mut key, keyboard.held.map(|_| again)) {
+            None => keyboard.held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Release),
             Some(_) => {
-                held = held_after(held, key[0]);
-                tell(held.unwrap_or(OperatorCommand::Release));
-                match key[0] {
-                    b'r' => tell(OperatorCommand::Reset),
-                    b'q' => tell(OperatorCommand::Shutdown),
-                    _ => {}
+                match keyboard.press(key[0]) {
+                    Ok(commands) => commands.into_iter().flatten().for_each(&mut tell),
+                    Err(reason) => say(format_args!("can-bridge: operator: {reason}")),
                 }
+                show_typed(keyboard.typed());
             }
         }
     }
 }
 
-/// What is held after a key. From home one goes on to enable; every other key lets go.
+/// What the keys pressed so far mean.
+#[derive(Default)]
+struct Keyboard {
+    held: Option<OperatorCommand>,
+    /// A goal that is being typed, which lets go of nothing.
+    goal: Option<String>,
+}
+
+impl Keyboard {
+    /// The commands that a key gives.
+    ///
+    /// # Errors
+    /// What would be right in place of a goal that is none.
+    fn press(&mut self, key: u8) -> Result<[Option<OperatorCommand>; 2], String> {
+        if let Some(typed) = self.goal.take() {
+            match key {
+                b'\n' | b'\r' if typed.is_empty() => return Ok([None; 2]),
+                b'\n' | b'\r' => return command(&format!("goal {typed}")).map(|goal| [goal, None]),
+                _ => self.goal = after(typed, key),
+            }
+            self.held = self.held.filter(|_| self.goal.is_some());
+        } else if key == b'g' {
+            self.goal = Some(String::new());
+        } else {
+            self.held = held_after(self.held, key);
+        }
+        if self.goal.is_some() {
+            return Ok([None; 2]);
+        }
+        let also = match key {
+            b'r' => Some(OperatorCommand::Reset),
+            b'q' => Some(OperatorCommand::Shutdown),
+            _ => None,
+        };
+        Ok([Some(self.held.unwrap_or(OperatorCommand::Release)), also])
+    }
+
+    /// What the operator sees of a goal that is being typed.
+    fn typed(&self) -> Option<String> {
+        self.goal.as_ref().map(|typed| format!("goal x y z (m), Enter: {typed}_"))
+    }
+}
+
+/// What is typed of a goal after a key; nothing if the key has no place in it. Of spaces one behind a number has: whoever hits that bar lets go.
+fn after(mut typed: String, key: u8) -> Option<String> {
+    match key {
+        b'\x08' | b'\x7F' => _ = typed.pop()?,
+        _ if typed.len() >= LONGEST_GOAL => return None,
+        b'0'..=b'9' | b'.' | b'-' => typed.push(key.into()),
+        b' ' if typed.ends_with(|last: char| last.is_ascii_digit()) => typed.push(' '),
+        _ => return None,
+    }
+    Some(typed)
+}
+
+/// What is held after a key, which may come again and again while it is pressed. From home one goes on to enable; every other key lets go.
 fn held_after(held: Option<OperatorCommand>, key: u8) -> Option<OperatorCommand> {
     match (key, held) {
-        (b'h', None) => Some(OperatorCommand::Home),
-        (b'e', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Enable),
+        (b'h', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Home),
+        (b'e', _) => Some(OperatorCommand::Enable),
         _ => None,
     }
 }
@@ -169,20 +224,6 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
     }
 }
 
-/// How [`command`] understands it, every number in full.
-pub fn text(command: &OperatorCommand) -> String {
-    match command {
-        OperatorCommand::Home => "home".to_owned(),
-        OperatorCommand::Enable => "enable".to_owned(),
-        OperatorCommand::Release => "release".to_owned(),
-        OperatorCommand::Reset => "reset".to_owned(),
-        OperatorCommand::Shutdown => "shutdown".to_owned(),
-        OperatorCommand::Goal(pose) => {
-            pose.0.iter().fold("goal".to_owned(), |text, number| text + &format!(" {number}"))
-        }
-    }
-}
-
 fn goal(words: Vec<&str>) -> Result<OperatorCommand, String> {
     let allowed = "a goal is x y z (m) or x y z roll pitch yaw (m, rad), below the base: z > 0";
     let numbers: Vec<f64> =
@@ -200,12 +241,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn home_and_enable_are_held_until_the_next_key() {
+    fn home_and_enable_are_held_until_another_key() {
         let (home, enable) = (Some(OperatorCommand::Home), Some(OperatorCommand::Enable));
         assert_eq!((held_after(None, b'h'), held_after(None, b'e')), (home, enable));
         assert_eq!(held_after(home, b'e'), enable);
-        for (held, key) in [(home, b'h'), (enable, b'e'), (enable, b'h'), (home, b'x'), (None, b'x')] {
+        for (held, key) in [(enable, b'h'), (home, b'x'), (None, b'x'), (enable, b' ')] {
             assert_eq!(held_after(held, key), None, "{held:?} {key}");
+        }
+    }
+
+    /// Every second repetition of a key that is pressed let go.
+    #[test]
+    fn a_key_that_repeats_while_it_is_pressed_does_not_let_go() {
+        let mut keyboard = Keyboard::default();
+        for (key, command) in [(b'h', OperatorCommand::Home), (b'e', OperatorCommand::Enable)] {
+            (0..9).for_each(|_| assert_eq!(keyboard.press(key), Ok([Some(command), None])));
+        }
+    }
+
+    /// What the last of the keys gives.
+    fn typed(keyboard: &mut Keyboard, keys: &str) -> Result<[Option<OperatorCommand>; 2], String> {
+        keys.bytes().fold(Ok([None; 2]), |_, key| keyboard.press(key))
+    }
+
+    #[test]
+    fn a_goal_is_typed_while_enable_is_held() {
+        let mut keyboard = Keyboard::default();
+        let enable = Some(OperatorCommand::Enable);
+        _ = keyboard.press(b'e');
+        let goal = Some(OperatorCommand::Goal(Pose::at(0.15, -0.1, 1.0)));
+        assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([None; 2]));
+        assert_eq!(keyboard.typed().unwrap(), "goal x y z (m), Enter: 0.15 -0.2_");
+        assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, None]));
+        assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a goal is x y z"));
+        assert_eq!(typed(&mut keyboard, "g\n"), Ok([None; 2]));
+        assert_eq!((keyboard.held, keyboard.typed()), (enable, None));
+    }
+
+    #[test]
+    fn a_key_without_a_place_in_a_goal_lets_go() {
+        let release = Ok([Some(OperatorCommand::Release), None]);
+        let too_long = format!("g{}", "1".repeat(LONGEST_GOAL + 1));
+        for keys in ["gx", "g ", "g1  ", "g1e", "g\x1B", "g\x7F", &too_long] {
+            let mut keyboard = Keyboard { held: Some(OperatorCommand::Enable), goal: None };
+            let given = typed(&mut keyboard, keys);
+            assert_eq!((given, keyboard.held, keyboard.typed()), (release.clone(), None, None), "{keys:?}");
         }
     }
 
@@ -220,7 +300,7 @@ mod tests {
             OperatorCommand::Shutdown,
             OperatorCommand::Goal(pose),
         ] {
-            assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));
+            assert_eq!(command(&command_given.to_string()), Ok(Some(command_given)));
         }
         assert_eq!(command(" goal 0.1  0 1\r"), Ok(Some(OperatorCommand::Goal(Pose::at(0.1, 0.0, 1.0)))));
         assert_eq!(command(""), Ok(None));
