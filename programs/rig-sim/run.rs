@@ -200,8 +200,8 @@ impl Lab {
         while self.time < now {
             self.tick(now.min(self.time + STEP));
         }
-        for mishap in self.script.due(self.time, self.lifted) {
-            self.say(&format!("{mishap:?}"));
+        for (mishap, words) in self.script.due(self.time, self.lifted) {
+            self.say(&words);
             if mishap == Mishap::HangUp {
                 self.ports.iter_mut().for_each(Port::hang_up);
             }
@@ -251,11 +251,7 @@ impl Lab {
         if support != self.support {
             self.support = support;
             self.lifted = self.lifted.or((support == Support::Cables).then_some(self.time));
-            self.say(match support {
-                Support::Stand => "the platform is on its stand",
-                Support::Cables => "the cables carry the platform",
-                Support::Floor => "the platform fell",
-            });
+            self.say(support_in_words(support));
         }
         if support == Support::Cables {
             let tension = self.rig.plant().measured_tension;
@@ -270,12 +266,18 @@ impl Lab {
         if self.lifted.is_some() {
             println!("smallest tensions while the cables carried the platform: {:.2?} N", self.least);
             let pose = self.rig.plant().encoder_pose;
-            println!(
-                "platform: {:?} at ({:.3}, {:.3}, {:.3}) m",
-                self.support, pose.0[0], pose.0[1], pose.0[2]
-            );
+            let support = support_in_words(self.support);
+            println!("{support} at ({:.3}, {:.3}, {:.3}) m", pose.0[0], pose.0[1], pose.0[2]);
         } else {
             println!("platform: never left its stand");
         }
+    }
+}
+
+fn support_in_words(support: Support) -> &'static str {
+    match support {
+        Support::Stand => "the platform is on its stand",
+        Support::Cables => "the cables carry the platform",
+        Support::Floor => "the platform fell",
     }
 }

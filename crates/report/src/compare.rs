@@ -7,7 +7,7 @@ use super::data::Data;
 use super::digest::Digest;
 use super::facts::{facts, slack_in_words};
 use super::history::{History, status_name};
-use super::page::{disturbed_key, kept_key, page};
+use super::page::{disturbed_key, kept_key, page, state_key};
 use super::{Summary, TableError};
 use cable_robot::plan::Status;
 use cable_robot::robot::Rig;
@@ -55,6 +55,7 @@ pub fn compare(runs: [&Digest; 2]) -> Result<String, CompareError> {
         ("results", results(&histories, runs)),
         ("differences", differences),
         ("disturbed_key", disturbed_key(histories.each_ref()).to_owned()),
+        ("state_key", state_key(runs).to_owned()),
         ("kept_key", kept_key(histories.each_ref())),
         ("same", escape(same.join(", ")).into_owned()),
         ("drawn", drawn(&data, runs)),

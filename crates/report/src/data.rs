@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::digest::Digest;
 use super::domains::domain;
+use super::events::{Kind, StateSpan, state_spans};
 use super::explanation;
 use super::history::{History, status_name};
 use super::thinning::rounded;
@@ -60,6 +61,14 @@ pub struct Data {
     slack_spans: Vec<[f64; 2]>,
     /// From when to when the platform was disturbed.
     disturbed_spans: Vec<[f64; 2]>,
+    /// From when to when a rig's platform was not measured.
+    unmeasured_spans: Vec<[f64; 2]>,
+    /// The states of a rig's bridge in which the controller does not pull.
+    state_spans: Vec<StateSpan>,
+    /// When something was found wrong.
+    faults: Vec<f64>,
+    /// Of the run, which may be after its last row.
+    end: f64,
     rows: Rows,
 }
 
@@ -126,6 +135,8 @@ impl Data {
         };
         let goal = |i: usize| Goal { row: place(goals[i]), pose: shortened(&history.goal[goals[i]]) };
         let tension = history.run.tension.iter().flatten();
+        let end = digest.end(history);
+        let faults = digest.events.iter().filter(|event| event.kind == Kind::Fault);
         Self {
             anchors: rig.cables.iter().map(|cable| cable.anchor.into()).collect(),
             attachments: rig.cables.iter().map(|cable| cable.attachment.into()).collect(),
@@ -149,6 +160,10 @@ impl Data {
             goals: active(&goals, &drawn).into_iter().map(goal).collect(),
             slack_spans: digest.slack_spans.clone(),
             disturbed_spans: history.disturbed_spans().to_vec(),
+            unmeasured_spans: unmeasured(digest, history, end),
+            state_spans: state_spans(&digest.events, end),
+            faults: faults.map(|event| event.time).collect(),
+            end,
             rows: Rows::new(history, &drawn),
         }
     }
@@ -197,6 +212,13 @@ fn reference(history: &History, drawn: &[usize]) -> Option<[Vec<Option<f64>>; 6]
         };
         std::array::from_fn(column)
     })
+}
+
+/// From when to when there are no rows of a rig, to the end of the run.
+fn unmeasured(digest: &Digest, history: &History, end: f64) -> Vec<[f64; 2]> {
+    let mut spans = digest.unmeasured_spans.clone();
+    spans.extend(history.run.times.last().filter(|last| **last < end).map(|last| [*last, end]));
+    spans
 }
 
 /// What the planner keeps from the limits of tension at least, N: of `Bounded` only the set points do.

@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use super::events::{self, Event};
 use super::history::History;
-use super::run_folder::RUN_CSV;
+use super::run_folder::{Model, RUN_CSV};
 use super::table::CsvRows;
 use super::thinning::{extremes, group, is_even};
 use super::{RunFolder, RunFolderError, Summary, Table, TableError};
@@ -26,7 +27,14 @@ pub struct Digest {
     pub(super) disturbed_spans: Vec<[f64; 2]>,
     /// Greatest disturbing force and torque, N and N m.
     pub(super) disturbance: [f64; 2],
+    /// From when to when a rig's platform was not measured, s: there are no rows.
+    pub(super) unmeasured_spans: Vec<[f64; 2]>,
+    /// What happened beside the rows.
+    pub(super) events: Vec<Event>,
 }
+
+/// At a rig a row that is so many steps after the one before shows that there was nothing to record between them.
+const GAP: f64 = 2.5;
 
 /// How many rows there are, and for how long, s.
 struct Extent {
@@ -65,7 +73,7 @@ impl Digest {
             let mut rows = CsvRows::begin(reader(file))?;
             Self::new(RunFolder { info, table: rows.empty() }, &extent, |part| rows.next(part))
         };
-        digest().map_err(csv)
+        Ok(Self { events: events::read(folder)?, ..digest().map_err(csv)? })
     }
 
     /// Begins with `empty`; `next` adds the next row of the run to a table, or tells that there is none.
@@ -83,6 +91,8 @@ impl Digest {
             slack_spans: vec![],
             disturbed_spans: vec![],
             disturbance: [0.0; 2],
+            unmeasured_spans: vec![],
+            events: vec![],
         };
         let mut kept = 0;
         loop {
@@ -104,10 +114,20 @@ impl Digest {
         let times = &part.run.times;
         let slack = (known..part.len()).filter(|row| part.is_slack(*row)).map(|row| [times[row]; 2]);
         join(&mut self.slack_spans, slack, |gap| gap <= extent.duration / 1e3);
+        if part.info.plant == Model::Rig {
+            let gaps = times.windows(2).filter(|ends| ends[1] - ends[0] > GAP * part.info.step);
+            self.unmeasured_spans.extend(gaps.map(|ends| [ends[0], ends[1]]));
+        }
         join(&mut self.disturbed_spans, part.disturbed_spans().iter().copied(), |gap| gap <= 0.0);
         for (greatest, here) in self.disturbance.iter_mut().zip(part.disturbance) {
             *greatest = greatest.max(here);
         }
+    }
+
+    /// When the run ends, s: with its last row, or what happened after it.
+    pub(super) fn end(&self, history: &History) -> f64 {
+        let last_row = history.run.times.last().copied();
+        last_row.into_iter().chain(self.events.iter().map(|event| event.time)).fold(f64::MIN, f64::max)
     }
 
     /// Keeps rows of a part; up to `kept` rows of the run are settled. How many are then.
@@ -223,5 +243,20 @@ mod tests {
             changed.push(numbers[0], &numbers[1..]);
         }
         run.table = changed;
+    }
+
+    /// What happened to the platform then, nobody recorded: a line across would say that it went straight.
+    #[test]
+    fn a_rig_that_was_not_measured_for_a_while_is_said_to_be_so() {
+        let mut run = run(PlannerKind::Bounded, 2.0, 0.0);
+        let table = run.table.empty();
+        let whole = std::mem::replace(&mut run.table, table);
+        (0..whole.rows())
+            .filter(|row| !(700..900).contains(row))
+            .for_each(|row| run.table.push_of(&whole, row));
+        assert!(Digest::of(&run).unwrap().unmeasured_spans.is_empty(), "a simulated plant always is");
+        run.info.plant = Model::Rig;
+        let [[from, to]] = Digest::of(&run).unwrap().unmeasured_spans[..] else { panic!("one gap") };
+        assert!((from - 0.699).abs() + (to - 0.9).abs() < 1e-9, "{from} to {to}");
     }
 }

@@ -2,14 +2,17 @@
 
 use super::Slack;
 use super::digest::Digest;
+use super::events::Kind;
 use super::history::{Arrival, History};
 use super::run_folder::Model;
 use cable_robot::control::{Barrier, barrier};
-use cable_robot::plan::{Planner, PoseSource, Status};
+use cable_robot::plan::{ControllerParameters, Planner, PoseSource, Status};
 use cable_robot::robot::{Pose, Rig};
 
 /// More goals than these are counted only.
 const MOST_GOALS: usize = 10;
+/// The first ones tell most.
+const MOST_FAULTS: usize = 10;
 
 /// What was run and with what, and what came of it.
 pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> {
@@ -50,22 +53,27 @@ pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> 
             ),
         },
         ("Tension limits", limits(&controller.rig)),
+        // Of a rig nobody measured them.
         (
             "Imperfections",
-            format!(
-                "friction {} N, motor lag {} s, encoder resolution {} m, load-cell noise {} N (seed {})",
-                plant.friction,
-                plant.motor_lag,
-                plant.encoder_resolution,
-                plant.load_cell_noise,
-                plant.noise_seed
-            ),
+            match info.plant {
+                Model::Rig => "not measured".to_owned(),
+                Model::Library | Model::Fmu { .. } => format!(
+                    "friction {} N, motor lag {} s, encoder resolution {} m, load-cell noise {} N (seed {})",
+                    plant.friction,
+                    plant.motor_lag,
+                    plant.encoder_resolution,
+                    plant.load_cell_noise,
+                    plant.noise_seed
+                ),
+            },
         ),
         (
             "Disturbance",
-            match history.disturbance {
-                [0.0, 0.0] => "none".to_owned(),
-                [force, torque] => format!("up to {force:.3} N and {torque:.3} N m"),
+            match (&info.plant, history.disturbance) {
+                (Model::Rig, _) => "not measured".to_owned(),
+                (_, [0.0, 0.0]) => "none".to_owned(),
+                (_, [force, torque]) => format!("up to {force:.3} N and {torque:.3} N m"),
             },
         ),
         ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, digest.rows)),
@@ -81,6 +89,7 @@ pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> 
         if history.goals().is_empty() { "From the start at the end" } else { "From the goal at the end" };
     facts.extend(goals(history));
     facts.extend(unreachable(history));
+    facts.extend(faults(digest));
     facts.extend([
         ("Smallest tension", smallest),
         ("Slack cables", slack_in_words(&summary.slack)),
@@ -141,6 +150,12 @@ fn goals(history: &History) -> Vec<(&'static str, String)> {
     rows
 }
 
+/// A row a fault; of more than [`MOST_FAULTS`] the first ones.
+fn faults(digest: &Digest) -> impl Iterator<Item = (&'static str, String)> {
+    let faults = digest.events.iter().filter(|event| event.kind == Kind::Fault).take(MOST_FAULTS);
+    faults.map(|fault| ("Fault", format!("at {:.3} s: {}", fault.time, fault.text)))
+}
+
 /// What is said below a list that ends before its time.
 pub fn first_of(listed: usize, count: usize, what: &str) -> String {
     format!("The first {listed} of {count} {what} are listed; run.csv has all.")
@@ -151,10 +166,19 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
     if history.last_status() != Some(Status::GoalUnreachable) {
         return None;
     }
-    let rig = &history.info.controller_parameters.rig;
     let (goal, nearest) = (history.goal.last()?, history.set_point.last()?);
-    let planner = Planner::from(history.info.controller_parameters);
-    let why = match barrier(rig, goal) {
+    let why = why_unreachable(&history.info.controller_parameters, goal, nearest);
+    let left = (goal.position() - nearest.position()).norm();
+    Some((
+        "Goal unreachable",
+        format!("{why}; the last set point is {left:.4} m from it, {}", rounded_pose(nearest)),
+    ))
+}
+
+/// Why a controller cannot have a goal to which `nearest` is as near as it comes: which cable forbids that the robot rests there.
+pub fn why_unreachable(parameters: &ControllerParameters, goal: &Pose, nearest: &Pose) -> String {
+    let planner = Planner::from(*parameters);
+    match barrier(&parameters.rig, goal) {
         Some(Barrier { cable, limit, is_greatest: true }) => {
             format!("at rest at the goal cable {cable} would pull more than its {limit} N")
         }
@@ -165,7 +189,7 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
             format!("at rest at the goal cable {cable} would pull less than its {limit} N")
         }
         None if planner.is_kept_by_rate(nearest, goal) => {
-            let rate = history.info.controller_parameters.max_tension_rate;
+            let rate = parameters.max_tension_rate;
             format!("maxTensionRate = {rate} N/s is too small for a motion to it")
         }
         None if !planner.is_firm(goal) => {
@@ -173,17 +197,12 @@ fn unreachable(history: &History) -> Option<(&'static str, String)> {
                 .to_owned()
         }
         None => "at rest at the goal no limit is broken, but the planner has no step to it".to_owned(),
-    };
-    let left = (goal.position() - nearest.position()).norm();
-    Some((
-        "Goal unreachable",
-        format!("{why}; the last set point is {left:.4} m from it, {}", rounded_pose(nearest)),
-    ))
+    }
 }
 
 /// The same to a tenth of a millimetre and of a milliradian.
 fn rounded_pose(at: &Pose) -> String {
-    pose(&Pose(at.0.map(|c| (c * 1e4).round() / 1e4 + 0.0)))
+    pose_in_words(&Pose(at.0.map(|c| (c * 1e4).round() / 1e4 + 0.0)))
 }
 
 /// When a goal was given and how long the robot took.
@@ -194,11 +213,11 @@ fn arrival(history: &History, (row, arrival): &(usize, Arrival)) -> String {
         Arrival::Replaced(time) => format!("replaced after {time:.3} s, before it was reached"),
         Arrival::Never => "not reached".to_owned(),
     };
-    format!("{} given at {given:.3} s: {after}", pose(&history.goal[*row]))
+    format!("{} given at {given:.3} s: {after}", pose_in_words(&history.goal[*row]))
 }
 
 /// Position in m, and angles in rad if there are any.
-fn pose(pose: &Pose) -> String {
+pub fn pose_in_words(pose: &Pose) -> String {
     let [p, angles] = [pose.position(), pose.angles()].map(|v| format!("({}, {}, {})", v.x, v.y, v.z));
     if pose.angles().amax() == 0.0 {
         format!("{p} m")

@@ -6,6 +6,7 @@ mod compare;
 mod data;
 mod digest;
 mod domains;
+pub mod events;
 mod explanation;
 pub mod facts;
 pub mod files;

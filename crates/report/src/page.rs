@@ -5,11 +5,12 @@ use std::fmt::Display;
 use quick_xml::escape::escape;
 use serde::Serialize;
 
+use super::TableError;
 use super::data::{Data, MANY, kept};
 use super::digest::Digest;
+use super::events::{Event, Kind};
 use super::facts::{facts, first_of, limits};
 use super::history::{Arrival, History, status_name};
-use super::{Summary, TableError};
 use cable_robot::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -34,17 +35,19 @@ const UPLOT_STYLE: &str = include_str!("page/uplot/uPlot.min.css");
 /// [`TableError::Missing`]: a column that is needed is not there.
 pub fn html(digest: &Digest) -> Result<String, TableError> {
     let history = History::of(digest)?;
-    let (info, summary) = (&digest.folder.info, &digest.summary);
+    let info = &digest.folder.info;
     let data = Data::new(digest, &history);
     let turned = history.set_point.iter().any(|pose| pose.angles().amax() > 5e-5);
     let places = [
         ("title", escape(&info.title).into_owned()),
-        ("verdict", verdict(&history, summary)),
+        ("verdict", verdict(&history, digest)),
         ("facts", table(&facts(digest, &history))),
         ("set_points", set_points(&history, turned)),
         ("more_set_points", more_set_points(&history)),
         ("angle_heads", angle_heads(turned).to_owned()),
         ("disturbed_key", disturbed_key([&history]).to_owned()),
+        ("state_key", state_key([digest]).to_owned()),
+        ("events", what_happened(&digest.events)),
         ("figure_5", of_the_paper("Fig. 5", &history)),
         ("figure_6", of_the_paper("Fig. 6", &history)),
         ("p_source", p_source(&history).to_owned()),
@@ -97,6 +100,53 @@ pub fn disturbed_key<const N: usize>(histories: [&History; N]) -> &'static str {
     r#"<span><svg width="26" height="14" aria-hidden="true"><path class="disturbed-span" d="M1 1H25V13H1Z"/></svg>the platform is disturbed</span>"#
 }
 
+/// What the bands of states and faults are, where there are any.
+pub fn state_key<const N: usize>(runs: [&Digest; N]) -> &'static str {
+    if runs.iter().all(|run| run.events.is_empty() && run.unmeasured_spans.is_empty()) {
+        return "";
+    }
+    r#"<span><svg width="26" height="14" aria-hidden="true"><path class="state-span" d="M1 1H25V13H1Z"/></svg>another state of the bridge</span>
+    <span><svg width="26" height="14" aria-hidden="true"><path class="fault" d="M13 1V13"/></svg>a fault</span>
+    <span><svg width="26" height="14" aria-hidden="true"><path class="unmeasured-span" d="M1 1H25V13H1Z"/></svg>the pose is not measured</span>"#
+}
+
+/// More events than these are counted only.
+const MOST_EVENTS: usize = 200;
+
+/// The panel of the events, where there are any.
+fn what_happened(events: &[Event]) -> String {
+    if events.is_empty() {
+        return String::new();
+    }
+    let row = |event: &Event| {
+        let class = if event.kind == Kind::Fault { " class=\"bad\"" } else { "" };
+        format!(
+            "<tr{class}><td>{:.3}</td><td>{}</td><td>{}</td></tr>\n",
+            event.time,
+            event.kind.name(),
+            escape(&event.text)
+        )
+    };
+    let rows: String = events.iter().take(MOST_EVENTS).map(row).collect();
+    let more = if events.len() > MOST_EVENTS {
+        format!(
+            "<p class=\"help\">The first {MOST_EVENTS} of {} are listed; events.csv has all.</p>",
+            events.len()
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        r#"<section class="card" id="events" aria-labelledby="events-title">
+  <h2 id="events-title">What happened</h2>
+  <div class="scroll tall" tabindex="0" role="region" aria-label="What happened"><table>
+  <thead><tr><th scope="col">at (s)</th><th scope="col">kind</th><th scope="col">what</th></tr></thead>
+  <tbody>{rows}</tbody>
+  </table></div>{more}
+</section>"#
+    )
+}
+
 /// What gives the tensions that were predicted.
 fn predicted_by(history: &History) -> &'static str {
     match history.info.controller_parameters.planner {
@@ -128,12 +178,16 @@ fn of_the_paper(name: &str, history: &History) -> String {
 }
 
 /// What came of the run, in a few words each; what is bad is marked.
-fn verdict(history: &History, summary: &Summary) -> String {
+fn verdict(history: &History, digest: &Digest) -> String {
+    let summary = &digest.summary;
     let item = |bad: bool, name: &str, value: &dyn Display| {
         let class = if bad { " class=\"bad\"" } else { "" };
         format!("<li{class}>{name} <b>{}</b></li>\n", escape(value.to_string()))
     };
     let mut list = String::new();
+    if let Some(fault) = digest.events.iter().find(|event| event.kind == Kind::Fault) {
+        list += &item(true, &format!("fault at {:.3} s", fault.time), &fault.text);
+    }
     let goals = history.goals();
     let count = |is: fn(&Arrival) -> bool| goals.iter().filter(|(_, arrival)| is(arrival)).count();
     let reached = count(|arrival| matches!(arrival, Arrival::After(_)));
@@ -149,6 +203,10 @@ fn verdict(history: &History, summary: &Summary) -> String {
             item(reached + replaced < many.len(), "goals reached", &text)
         }
     };
+    let refused = digest.events.iter().filter(|event| event.kind == Kind::Refused).count();
+    if refused > 0 {
+        list += &item(true, "goals refused", &refused);
+    }
     if let Some(smallest) = summary.smallest_tension {
         list += &item(smallest.value <= 0.0, "smallest tension", &smallest);
     }

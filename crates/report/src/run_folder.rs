@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Run;
+use super::events::EVENTS_CSV;
 use super::files::{Part, begin, probe, unwritten};
 use super::table::{Rows, Table, TableError};
 use cable_robot::plan::ControllerParameters;
@@ -265,12 +266,12 @@ pub fn make(folder: &Path) -> Result<(), RunFolderError> {
     [RUN_CSV, RUN_JSON].iter().try_for_each(|name| probe(&folder.join(name)))
 }
 
-/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, and its reports.
+/// Removes what is left of another run, if the folder held one: `run.json`, without which the rest is no run, its events and its reports.
 fn forget(folder: &Path) -> Result<(), RunFolderError> {
     if !folder.join(RUN_JSON).is_file() {
         return Ok(());
     }
-    for path in [REPORT_HTML, COMPARISON_HTML, RUN_JSON].map(|name| folder.join(name)) {
+    for path in [REPORT_HTML, COMPARISON_HTML, EVENTS_CSV, RUN_JSON].map(|name| folder.join(name)) {
         match fs::remove_file(&path) {
             Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
                 return Err(RunFolderError::Write { path, reason });

@@ -10,15 +10,15 @@ use rtrb::Producer;
 pub enum Entry {
     /// A frame that entered the bridge.
     Received(OnBus),
-    /// What else entered it, before the cycle that follows.
-    Input(Input),
+    /// What else entered it, before the cycle that follows, and why a command was not taken.
+    Input(Input, Option<Refusal>),
     /// A frame that was put on the bus.
     Sent(OnBus),
     /// A cycle, after its frames.
     Cycle(Cycle),
     /// What the bridge had to say.
     Event(Nanoseconds, Event),
-    /// A command that it did not take.
+    /// A command that it did not take, said once of those that are given again and again.
     Refused(Nanoseconds, Refusal),
     /// What the program has to say.
     Note(Nanoseconds, &'static str),
@@ -69,23 +69,30 @@ pub struct Cycle {
 /// The loop's end of the queue.
 pub struct Teller {
     queue: Producer<Entry>,
+    /// So far, and of these the ones that nobody was told of.
     lost: u64,
+    untold: u64,
 }
 
 impl Teller {
     /// Into this queue.
     pub fn new(queue: Producer<Entry>) -> Self {
-        Self { queue, lost: 0 }
+        Self { queue, lost: 0, untold: 0 }
     }
 
     /// Tells something; if there is no room, the next that finds some is preceded by what was lost.
     pub fn tell(&mut self, entry: Entry) {
-        if self.lost > 0 && self.queue.push(Entry::Lost(self.lost)).is_ok() {
-            self.lost = 0;
+        if self.untold > 0 && self.queue.push(Entry::Lost(self.untold)).is_ok() {
+            self.untold = 0;
         }
-        if self.lost > 0 || self.queue.push(entry).is_err() {
-            self.lost += 1;
+        if self.untold > 0 || self.queue.push(entry).is_err() {
+            (self.lost, self.untold) = (self.lost + 1, self.untold + 1);
         }
+    }
+
+    /// How many entries found no room.
+    pub fn lost(&self) -> u64 {
+        self.lost
     }
 }
 
@@ -103,6 +110,6 @@ mod tests {
         assert_eq!(std::iter::from_fn(|| consumer.pop().ok()).count(), 3);
         teller.tell(Entry::Note(9, ""));
         let rest: Vec<_> = std::iter::from_fn(|| consumer.pop().ok()).collect();
-        assert_eq!(rest, [Entry::Lost(2), Entry::Note(9, "")]);
+        assert_eq!((rest, teller.lost()), (vec![Entry::Lost(2), Entry::Note(9, "")], 2));
     }
 }

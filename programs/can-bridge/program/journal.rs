@@ -1,19 +1,20 @@
-//! The journal: takes what the loop tells out of the queue, says it, shows it and writes it down, in a thread of its own. It waits for
-//! nothing but the disk of the recording.
+//! The journal: takes what the loop tells out of the queue, says it, shows it and hands it to the recording, in a thread of its own. It
+//! waits for nothing.
 
-use std::io;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
+use cable_robot_fieldbus::Nanoseconds;
 use cable_robot_fieldbus::bridge::{Cause, Event};
-use cable_robot_fieldbus::{Config, Nanoseconds};
 use rtrb::{Consumer, RingBuffer};
 use serde_json::json;
 
 use super::entry::{Entry, Teller};
+use super::prompt;
 use super::record::Recording;
+use super::recorder::Recorder;
 use super::status::{Status, Stream};
 use super::survey::{self, Survey};
 use super::terminal::{say, show, show_nothing};
@@ -22,7 +23,6 @@ use super::terminal::{say, show, show_nothing};
 const QUEUE: usize = 1 << 14;
 const PAUSE: Duration = Duration::from_millis(5);
 const SHOW_EVERY: Duration = Duration::from_millis(100);
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
 
 /// The journal's thread.
 pub struct Journal {
@@ -34,11 +34,13 @@ impl Journal {
     pub fn start(
         recording: Option<Recording>,
         stream: Option<Stream>,
-        config: &Config,
+        status: Status,
+        has_keys: bool,
         survey: Option<Arc<Survey>>,
     ) -> Result<(Teller, Self)> {
         let (producer, consumer) = RingBuffer::new(QUEUE);
-        let writer = Writer { status: Status::new(config)?, recording, stream, survey, is_whole: true };
+        let recorder = recording.map(Recorder::start).transpose()?;
+        let writer = Writer { status, has_keys, recorder, stream, survey, is_whole: true };
         let thread = thread::Builder::new()
             .name("journal".to_owned())
             .spawn(move || writer.run(consumer))
@@ -54,7 +56,9 @@ impl Journal {
 
 struct Writer {
     status: Status,
-    recording: Option<Recording>,
+    /// Whether the operator has keys, or gives lines.
+    has_keys: bool,
+    recorder: Option<Recorder>,
     stream: Option<Stream>,
     survey: Option<Arc<Survey>>,
     is_whole: bool,
@@ -62,7 +66,7 @@ struct Writer {
 
 impl Writer {
     fn run(mut self, mut queue: Consumer<Entry>) -> bool {
-        let (mut shown, mut flushed) = (Instant::now(), Instant::now());
+        let mut shown = Instant::now();
         loop {
             // Looked at first: what was pushed before the other end went is still taken.
             let is_last = queue.is_abandoned();
@@ -71,16 +75,16 @@ impl Writer {
             }
             if shown.elapsed() >= SHOW_EVERY || is_last {
                 shown = Instant::now();
+                self.watch_recorder();
                 self.show();
-            }
-            if flushed.elapsed() >= FLUSH_EVERY || is_last {
-                flushed = Instant::now();
-                self.record(Recording::flush);
             }
             if is_last {
                 break;
             }
             thread::sleep(PAUSE);
+        }
+        if let Some(recorder) = self.recorder.take() {
+            self.end(recorder);
         }
         show_nothing();
         say(self.status.summary());
@@ -94,10 +98,13 @@ impl Writer {
     }
 
     fn take(&mut self, entry: &Entry) {
-        self.status.take(entry);
-        self.record(|recording| recording.take(entry));
-        if let Some((time, text)) = message(entry) {
+        let of_goal = self.status.take(entry);
+        self.recorder.iter_mut().for_each(|recorder| recorder.take(entry));
+        if let Some((time, text)) = self.message(entry) {
             self.say(time, &text);
+        }
+        if let Some(text) = of_goal {
+            self.say(self.status.now(), &text);
         }
         if let (Entry::Event(time, event), Some(survey)) = (entry, &self.survey)
             && let Some(text) = survey.follow(event)
@@ -110,11 +117,21 @@ impl Writer {
         }
     }
 
-    /// Writes to the recording; if that fails once, there is none any more. The robot goes on.
-    fn record(&mut self, write: impl FnOnce(&mut Recording) -> io::Result<()>) {
-        let Some(recording) = &mut self.recording else { return };
-        if let Err(reason) = write(recording) {
-            (self.recording, self.is_whole) = (None, false);
+    /// If it fails once, there is none any more; a disk that is too slow is said once. The robot goes on.
+    fn watch_recorder(&mut self) {
+        if let Some(failed) = self.recorder.take_if(|recorder| recorder.has_failed()) {
+            self.end(failed);
+        }
+        if self.is_whole && self.recorder.as_ref().is_some_and(|recorder| recorder.lost() > 0) {
+            self.is_whole = false;
+            self.say(0, "the disk is too slow: entries are missing in the recording from here on");
+        }
+    }
+
+    fn end(&mut self, recorder: Recorder) {
+        self.is_whole &= recorder.lost() == 0;
+        if let Err(reason) = recorder.finish() {
+            self.is_whole = false;
             self.say(0, &format!("THE RECORDING STOPS, control goes on: {reason}"));
         }
     }
@@ -126,6 +143,21 @@ impl Writer {
         self.stream(json!({ "time": seconds, "message": text }));
     }
 
+    /// What is to be said of an entry.
+    fn message(&self, entry: &Entry) -> Option<(Nanoseconds, String)> {
+        match entry {
+            Entry::Event(time, Event::Entered(state)) => {
+                // In a survey that says what comes next.
+                let next = self.survey.is_none().then(|| prompt::next(*state, self.has_keys));
+                Some((*time, next.map_or(state.to_string(), |next| format!("{state}: {next}"))))
+            }
+            Entry::Event(time, event) => Some((*time, event_text(event))),
+            Entry::Refused(time, refusal) => Some((*time, format!("refused: {refusal}"))),
+            Entry::Note(time, text) => Some((*time, (*text).to_owned())),
+            Entry::Received(_) | Entry::Input(..) | Entry::Sent(_) | Entry::Cycle(_) | Entry::Lost(_) => None,
+        }
+    }
+
     fn show(&self) {
         show(self.status.line());
         self.stream(self.status.json());
@@ -133,16 +165,6 @@ impl Writer {
 
     fn stream(&self, value: serde_json::Value) {
         self.stream.iter().for_each(|stream| stream.write(&value));
-    }
-}
-
-/// What is to be said of an entry.
-fn message(entry: &Entry) -> Option<(Nanoseconds, String)> {
-    match entry {
-        Entry::Event(time, event) => Some((*time, event_text(event))),
-        Entry::Refused(time, refusal) => Some((*time, format!("refused: {refusal}"))),
-        Entry::Note(time, text) => Some((*time, (*text).to_owned())),
-        Entry::Received(_) | Entry::Input(_) | Entry::Sent(_) | Entry::Cycle(_) | Entry::Lost(_) => None,
     }
 }
 
@@ -177,5 +199,54 @@ fn event_text(event: &Event) -> String {
         Event::Fault(fault) => format!("FAULT: {fault}"),
         Event::Emergency(emergency) => format!("emergency message: {emergency}"),
         Event::Lost(count) => format!("{count} more emergency messages came at once"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::{self, File};
+    use std::io::Read;
+    use std::process::Command;
+
+    use cable_robot_fieldbus::Frame;
+    use cable_robot_fieldbus::bridge::Fault;
+
+    use super::*;
+    use crate::program::Purpose;
+    use crate::program::controller::BridgeController;
+    use crate::program::entry::OnBus;
+    use crate::program::tests::files;
+
+    /// A pipe that nobody reads stands for the disk. The status was that of seconds before, and a fault was not said.
+    #[test]
+    fn a_disk_that_stands_still_delays_no_fault() {
+        let folder = tempfile::tempdir().unwrap();
+        let (run, told) = (folder.path().join("run"), folder.path().join("status"));
+        fs::create_dir(&run).unwrap();
+        let frames = run.join("frames.log");
+        assert!(Command::new("mkfifo").arg(&frames).status().unwrap().success());
+        // Opened both ways: who writes does not wait for a reader, only for room.
+        let mut disk = File::options().read(true).write(true).open(&frames).unwrap();
+
+        let files = files();
+        let controller = BridgeController::open(&files.config, None).unwrap();
+        let recording = Recording::create(&run, &files, &controller, Purpose::Run(None)).unwrap();
+        let status = Status::new(&files.config, controller.parameters()).unwrap();
+        let stream = Stream::create(&told).unwrap();
+        let (mut teller, journal) =
+            Journal::start(Some(recording), Some(stream), status, false, None).unwrap();
+        let received = OnBus { bus: 0, time: 1_000, frame: Frame::data(0x181, [0; 8]) };
+        (0..10_000).for_each(|_| teller.tell(Entry::Received(received)));
+        // Long enough that it is written.
+        thread::sleep(Duration::from_millis(1_500));
+        teller.tell(Entry::Event(1_000, Event::Fault(Fault::NoPose)));
+        let begun = Instant::now();
+        while !fs::read_to_string(&told).unwrap().contains("FAULT: the cable lengths belong to no pose") {
+            assert!(begun.elapsed() < Duration::from_secs(5), "nothing is said");
+            thread::sleep(Duration::from_millis(10));
+        }
+        thread::spawn(move || _ = disk.read_to_end(&mut vec![]));
+        drop(teller);
+        assert!(journal.join(), "all was written in the end");
     }
 }

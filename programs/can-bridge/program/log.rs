@@ -4,11 +4,11 @@
 //! |---|---|
 //! | `fieldbus.toml`, `rig.toml` | fieldbus file and rig file |
 //! | `frames.log` | every frame in the order it entered (R) or left (T), as candump writes it |
-//! | `inputs.csv` | what else entered: the cycle it came before, and what it was |
+//! | `inputs.csv` | what else entered: the cycle it came before, what it was, and why a command was not taken |
 //! | `cycles.csv` | a row a cycle |
 
 use cable_robot::robot::PerCable;
-use cable_robot_fieldbus::bridge::{CycleReport, Identity, TransportError};
+use cable_robot_fieldbus::bridge::{CycleReport, Identity, Refusal, TransportError};
 use cable_robot_fieldbus::candump::{Line, parse_frame};
 use cable_robot_fieldbus::{Config, Nanoseconds};
 
@@ -99,10 +99,13 @@ pub fn parse_frame_line(config: &Config, text: &str) -> Result<(OnBus, Direction
     Ok((OnBus { bus, time, frame }, direction))
 }
 
+/// Header of [`INPUTS`].
+pub const INPUT_COLUMNS: [&str; 3] = ["cycle", "input", "refused"];
+
 /// The second column of [`INPUTS`].
 pub fn input_text(config: &Config, input: &Input) -> String {
     match input {
-        Input::Operator(command) => operator::text(command),
+        Input::Operator(command) => command.to_string(),
         Input::Transport { bus, error, frame } => {
             let name = ERRORS.iter().find(|(known, _)| known == error).map_or("", |(_, name)| name);
             let frame = frame.map_or(String::new(), |frame| format!(" {frame}"));
@@ -181,6 +184,11 @@ pub fn computed(report: &CycleReport) -> Vec<String> {
         None => Default::default(),
     });
     row
+}
+
+/// The third column of [`INPUTS`]; empty if the command was taken.
+pub fn refusal_text(refusal: Option<Refusal>) -> String {
+    refusal.map_or(String::new(), |refusal| refusal.to_string())
 }
 
 /// As a number that may have a fraction.

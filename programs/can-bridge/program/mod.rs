@@ -5,14 +5,17 @@ mod commissioned;
 mod controller;
 mod data_sheet;
 mod entry;
+mod fate;
 mod goals;
 mod journal;
 mod log;
 mod operator;
 mod outlet;
 mod privileges;
+mod prompt;
 mod real_time;
 mod record;
+mod recorder;
 mod replay;
 mod session;
 mod signals;
@@ -40,6 +43,7 @@ use controller::BridgeController;
 use data_sheet::SheetOf;
 use journal::Journal;
 use session::{End, Session};
+use status::Status;
 use survey::Survey;
 use terminal::say;
 
@@ -227,8 +231,9 @@ fn drive(arguments: &Arguments, files: &Files, mut controller: BridgeController)
     };
     let stream = arguments.status.as_deref().map(status::Stream::create).transpose()?;
     let stop = signals::listen()?;
-    let (commands, _terminal) = operator::listen(config, survey.clone())?;
-    let (teller, journal) = Journal::start(recording, stream, config, survey.clone())?;
+    let (commands, terminal) = operator::listen(config, survey.clone())?;
+    let shown = Status::new(config, controller.parameters())?;
+    let (teller, journal) = Journal::start(recording, stream, shown, terminal.is_some(), survey.clone())?;
     real_time::say_panics_briefly();
     if !arguments.no_realtime {
         real_time::prepare().iter().for_each(|warning| say(format_args!("can-bridge: {warning}")));

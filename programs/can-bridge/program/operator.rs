@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::survey::Survey;
-use super::terminal::say;
+use super::terminal::{say, show_typed};
 use anyhow::{Context, Result};
 use cable_robot::robot::{Coordinates, Pose};
 use cable_robot_fieldbus::{Config, OperatorCommand};
@@ -23,9 +23,10 @@ const NO_KEY: u8 = 0;
 const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
-const KEYS: &str = "keys: h the platform stands at home   e enable   any other key: let go   l let the platform down   r down and reset   q down and off";
-
-const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   m lift a little and weigh, until the next key   any other key: let go   r reset   q off, and the verdict";
+/// Of a goal that is typed: more is a key that is stuck.
+const LONGEST_GOAL: usize = 60;
+const KEYS: &str = "keys: h the platform stands at home   e enable   g a goal: x y z, Enter   any other key: let go   l let the platform down   r down and reset   q down and off";
+const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   m lift a little and weigh, until another key   any other key: let go   r reset   q off, and the verdict";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(
@@ -77,52 +78,122 @@ fn give(queue: &mut Producer<OperatorCommand>, command: OperatorCommand) {
     }
 }
 
-/// A terminal knows no key that is held: `h` and `e` count as held until the next key, whichever it is.
+/// A terminal knows no key that is held: `h` and `e` count as held until another key.
 fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&Survey>) {
     say(if survey.is_some() { SURVEY_KEYS } else { KEYS });
-    let mut held = None;
+    let mut keyboard = Keyboard::default();
     let mut tell = |command| give(&mut queue, command);
     loop {
         let mut key = [0];
-        match read_within(&mut key, held.map(|_| again)) {
-            None => held.into_iter().for_each(&mut tell),
+        match read_within(&mut key, keyboard.held.map(|_| again)) {
+            None => keyboard.held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Lower),
-            // In Ready nothing is held any more: the platform is in the person's hands.
-            Some(_) if key[0] == b'y' && survey.is_some() => {
-                survey.into_iter().for_each(|survey| say(survey.confirm()));
-            }
-            Some(_) if key[0] == b'z' && survey.is_some() => tell(OperatorCommand::Zero),
-            Some(_) if key[0] == b'w' && survey.is_some() => tell(OperatorCommand::TryWatchdog),
-            Some(_) if key[0] == b'p' && survey.is_some() => {
-                let asked = survey.and_then(Survey::asked);
-                asked.map(OperatorCommand::Placed).into_iter().for_each(&mut tell);
-            }
             Some(_) => {
-                held = match key[0].checked_sub(b'1') {
-                    _ if key[0] == b'm' && survey.is_some() && held.is_none() => Some(OperatorCommand::Weigh),
-                    // The motor of cable 1 to 9 pulls until the next key.
-                    Some(cable @ 0..9) if survey.is_some() && held.is_none() => {
-                        Some(OperatorCommand::Pull(cable.into()))
-                    }
-                    _ => held_after(held, key[0]),
+                let pressed = match survey.and_then(|survey| survey_key(key[0], survey)) {
+                    Some(SurveyKey::Say(text)) => Err(text),
+                    Some(SurveyKey::Once(command)) => Ok([command, None]),
+                    Some(SurveyKey::Hold(command)) => Ok([Some(keyboard.hold(command)), None]),
+                    None => keyboard.press(key[0]),
                 };
-                tell(held.unwrap_or(OperatorCommand::Release));
-                match key[0] {
-                    b'l' => tell(OperatorCommand::Lower),
-                    b'r' => tell(OperatorCommand::Reset),
-                    b'q' => tell(OperatorCommand::Shutdown),
-                    _ => {}
+                match pressed {
+                    Ok(commands) => commands.into_iter().flatten().for_each(&mut tell),
+                    Err(text) => say(format_args!("can-bridge: operator: {text}")),
                 }
+                show_typed(keyboard.typed());
             }
         }
     }
 }
 
-/// What is held after a key. From home one goes on to enable; every other key lets go.
+/// What a key means in a survey.
+enum SurveyKey {
+    Say(String),
+    Once(Option<OperatorCommand>),
+    /// Until another key.
+    Hold(OperatorCommand),
+}
+
+/// Nothing for a key that means what it does without a survey. There are no goals: their figures would be motors.
+fn survey_key(key: u8, survey: &Survey) -> Option<SurveyKey> {
+    Some(match key {
+        b'y' => SurveyKey::Say(survey.confirm()),
+        b'z' => SurveyKey::Once(Some(OperatorCommand::Zero)),
+        b'w' => SurveyKey::Once(Some(OperatorCommand::TryWatchdog)),
+        b'p' => SurveyKey::Once(survey.asked().map(OperatorCommand::Placed)),
+        b'g' => SurveyKey::Once(Some(OperatorCommand::Release)),
+        b'm' => SurveyKey::Hold(OperatorCommand::Weigh),
+        b'1'..=b'9' => SurveyKey::Hold(OperatorCommand::Pull(usize::from(key - b'1'))),
+        _ => return None,
+    })
+}
+
+/// What the keys pressed so far mean.
+#[derive(Default)]
+struct Keyboard {
+    held: Option<OperatorCommand>,
+    /// A goal that is being typed, which lets go of nothing.
+    goal: Option<String>,
+}
+
+impl Keyboard {
+    /// This is held from now on, or goes on to be; after another one that is, it lets go of that.
+    fn hold(&mut self, command: OperatorCommand) -> OperatorCommand {
+        self.held = Some(command).filter(|_| self.held.is_none_or(|held| held == command));
+        self.held.unwrap_or(OperatorCommand::Release)
+    }
+
+    /// The commands that a key gives.
+    ///
+    /// # Errors
+    /// What would be right in place of a goal that is none.
+    fn press(&mut self, key: u8) -> Result<[Option<OperatorCommand>; 2], String> {
+        if let Some(typed) = self.goal.take() {
+            match key {
+                b'\n' | b'\r' if typed.is_empty() => return Ok([None; 2]),
+                b'\n' | b'\r' => return command(&format!("goal {typed}")).map(|goal| [goal, None]),
+                _ => self.goal = after(typed, key),
+            }
+            self.held = self.held.filter(|_| self.goal.is_some());
+        } else if key == b'g' {
+            self.goal = Some(String::new());
+        } else {
+            self.held = held_after(self.held, key);
+        }
+        if self.goal.is_some() {
+            return Ok([None; 2]);
+        }
+        let also = match key {
+            b'l' => Some(OperatorCommand::Lower),
+            b'r' => Some(OperatorCommand::Reset),
+            b'q' => Some(OperatorCommand::Shutdown),
+            _ => None,
+        };
+        Ok([Some(self.held.unwrap_or(OperatorCommand::Release)), also])
+    }
+
+    /// What the operator sees of a goal that is being typed.
+    fn typed(&self) -> Option<String> {
+        self.goal.as_ref().map(|typed| format!("goal x y z (m), Enter: {typed}_"))
+    }
+}
+
+/// What is typed of a goal after a key; nothing if the key has no place in it. Of spaces one behind a number has: whoever hits that bar lets go.
+fn after(mut typed: String, key: u8) -> Option<String> {
+    match key {
+        b'\x08' | b'\x7F' => _ = typed.pop()?,
+        _ if typed.len() >= LONGEST_GOAL => return None,
+        b'0'..=b'9' | b'.' | b'-' => typed.push(key.into()),
+        b' ' if typed.ends_with(|last: char| last.is_ascii_digit()) => typed.push(' '),
+        _ => return None,
+    }
+    Some(typed)
+}
+
+/// What is held after a key, which may come again and again while it is pressed. From home one goes on to enable; every other key lets go.
 fn held_after(held: Option<OperatorCommand>, key: u8) -> Option<OperatorCommand> {
     match (key, held) {
-        (b'h', None) => Some(OperatorCommand::Home),
-        (b'e', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Enable),
+        (b'h', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Home),
+        (b'e', _) => Some(OperatorCommand::Enable),
         _ => None,
     }
 }
@@ -216,28 +287,6 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
     }
 }
 
-/// How [`command`] understands it, every number in full.
-pub fn text(command: &OperatorCommand) -> String {
-    match command {
-        OperatorCommand::Home => "home".to_owned(),
-        OperatorCommand::Enable => "enable".to_owned(),
-        OperatorCommand::Release => "release".to_owned(),
-        OperatorCommand::Lower => "lower".to_owned(),
-        OperatorCommand::Reset => "reset".to_owned(),
-        OperatorCommand::Shutdown => "shutdown".to_owned(),
-        OperatorCommand::Pull(cable) => format!("pull {}", cable + 1),
-        OperatorCommand::Weigh => "weigh".to_owned(),
-        OperatorCommand::Zero => "zero".to_owned(),
-        OperatorCommand::TryWatchdog => "watchdog".to_owned(),
-        OperatorCommand::Goal(pose) => numbers("goal", pose),
-        OperatorCommand::Placed(pose) => numbers("placed", pose),
-    }
-}
-
-fn numbers(word: &str, pose: &Pose) -> String {
-    pose.0.iter().fold(word.to_owned(), |text, number| text + &format!(" {number}"))
-}
-
 fn cable(words: Vec<&str>) -> Result<OperatorCommand, String> {
     let number = words.first().and_then(|word| word.parse().ok()).filter(|number: &usize| *number > 0);
     match (number, words.len()) {
@@ -263,12 +312,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn home_and_enable_are_held_until_the_next_key() {
+    fn home_and_enable_are_held_until_another_key() {
         let (home, enable) = (Some(OperatorCommand::Home), Some(OperatorCommand::Enable));
         assert_eq!((held_after(None, b'h'), held_after(None, b'e')), (home, enable));
         assert_eq!(held_after(home, b'e'), enable);
-        for (held, key) in [(home, b'h'), (enable, b'e'), (enable, b'h'), (home, b'x'), (None, b'x')] {
+        for (held, key) in [(enable, b'h'), (home, b'x'), (None, b'x'), (enable, b' ')] {
             assert_eq!(held_after(held, key), None, "{held:?} {key}");
+        }
+    }
+
+    /// Every second repetition of a key that is pressed let go.
+    #[test]
+    fn a_key_that_repeats_while_it_is_pressed_does_not_let_go() {
+        let mut keyboard = Keyboard::default();
+        for (key, command) in [(b'h', OperatorCommand::Home), (b'e', OperatorCommand::Enable)] {
+            (0..9).for_each(|_| assert_eq!(keyboard.press(key), Ok([Some(command), None])));
+        }
+    }
+
+    /// What the last of the keys gives.
+    fn typed(keyboard: &mut Keyboard, keys: &str) -> Result<[Option<OperatorCommand>; 2], String> {
+        keys.bytes().fold(Ok([None; 2]), |_, key| keyboard.press(key))
+    }
+
+    #[test]
+    fn a_goal_is_typed_while_enable_is_held() {
+        let mut keyboard = Keyboard::default();
+        let enable = Some(OperatorCommand::Enable);
+        _ = keyboard.press(b'e');
+        let goal = Some(OperatorCommand::Goal(Pose::at(0.15, -0.1, 1.0)));
+        assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([None; 2]));
+        assert_eq!(keyboard.typed().unwrap(), "goal x y z (m), Enter: 0.15 -0.2_");
+        assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, None]));
+        assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a goal is x y z"));
+        assert_eq!(typed(&mut keyboard, "g\n"), Ok([None; 2]));
+        assert_eq!((keyboard.held, keyboard.typed()), (enable, None));
+    }
+
+    #[test]
+    fn a_key_without_a_place_in_a_goal_lets_go() {
+        let release = Ok([Some(OperatorCommand::Release), None]);
+        let too_long = format!("g{}", "1".repeat(LONGEST_GOAL + 1));
+        for keys in ["gx", "g ", "g1  ", "g1e", "g\x1B", "g\x7F", &too_long] {
+            let mut keyboard = Keyboard { held: Some(OperatorCommand::Enable), goal: None };
+            let given = typed(&mut keyboard, keys);
+            assert_eq!((given, keyboard.held, keyboard.typed()), (release.clone(), None, None), "{keys:?}");
         }
     }
 
@@ -289,7 +377,7 @@ mod tests {
             OperatorCommand::Weigh,
             OperatorCommand::TryWatchdog,
         ] {
-            assert_eq!(command(&text(&command_given)), Ok(Some(command_given)));
+            assert_eq!(command(&command_given.to_string()), Ok(Some(command_given)));
         }
         assert_eq!(command(" goal 0.1  0 1\r"), Ok(Some(OperatorCommand::Goal(Pose::at(0.1, 0.0, 1.0)))));
         assert_eq!(command(""), Ok(None));

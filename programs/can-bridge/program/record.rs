@@ -11,6 +11,8 @@ use cable_robot::sim::{Moment, PlantInputs, PlantOutputs, PlantParameters};
 use cable_robot_fieldbus::bridge::{CycleReport, Event};
 use cable_robot_fieldbus::{Config, Files, Nanoseconds, OperatorCommand, State};
 use cable_robot_report::RunFolderError;
+use cable_robot_report::events::{self, EVENT_COLUMNS, EVENTS_CSV, Kind};
+use cable_robot_report::facts::pose_in_words;
 use cable_robot_report::files::{begin, write_whole};
 use cable_robot_report::recording::{Recording as Rows, columns};
 use cable_robot_report::run_folder::{self, FORMAT, RUN_CSV, RUN_JSON, RunInfo};
@@ -19,13 +21,14 @@ use nalgebra::Vector3;
 use super::Purpose;
 use super::controller::BridgeController;
 use super::entry::{Cycle, Entry, Input};
+use super::fate::Goals;
 use super::log::{self, Direction};
 
 /// What an encoder and a load cell do not tell.
 const NOT_MEASURED: [&str; 3] = ["plant.velocity", "plant.angularVelocity", "plant.disturbance"];
 
 /// Files that are there once something was recorded.
-const SIGNS: [&str; 6] = [log::FIELDBUS, log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON];
+const SIGNS: [&str; 7] = [log::FIELDBUS, log::RIG, log::INPUTS, log::CYCLES, RUN_CSV, RUN_JSON, EVENTS_CSV];
 
 /// Refuses a folder with a recording in it.
 pub fn refuse_to_overwrite(folder: &Path) -> Result<()> {
@@ -87,10 +90,10 @@ impl Recording {
         }
         let config = &files.config;
         let mut inputs = csv::Writer::from_writer(create(log::INPUTS)?);
-        inputs.write_record(["cycle", "input"])?;
-        inputs.write_record(["0", &log::controller_text(controller.identity())])?;
+        inputs.write_record(log::INPUT_COLUMNS)?;
+        inputs.write_record(["0", &log::controller_text(controller.identity()), ""])?;
         if let Some(text) = log::purpose_text(&purpose) {
-            inputs.write_record(["0", &text])?;
+            inputs.write_record(["0", &text, ""])?;
         }
         let mut cycles = csv::Writer::from_writer(create(log::CYCLES)?);
         cycles.write_record(log::columns(config.rig.cables.len()))?;
@@ -108,6 +111,7 @@ impl Recording {
 
     /// Writes down what happened.
     pub fn take(&mut self, entry: &Entry) -> io::Result<()> {
+        self.run.tell(entry)?;
         match entry {
             Entry::Received(on_bus) => {
                 self.received += 1;
@@ -117,13 +121,13 @@ impl Recording {
                 self.sent += 1;
                 writeln!(self.frames, "{}", log::frame_line(&self.config, on_bus, Direction::Sent))?;
             }
-            Entry::Input(input) => {
-                if let Input::Operator(OperatorCommand::Goal(goal)) = input {
+            Entry::Input(input, refusal) => {
+                if let (Input::Operator(OperatorCommand::Goal(goal)), None) = (input, refusal) {
                     self.run.goal = *goal;
                 }
-                self.input(&log::input_text(&self.config, input))?;
+                self.input(&log::input_text(&self.config, input), &log::refusal_text(*refusal))?;
             }
-            Entry::Lost(_) => self.input(log::GAP)?,
+            Entry::Lost(_) => self.input(log::GAP, "")?,
             Entry::Event(_, Event::Entered(State::Enabled)) => self.run.is_enabled_anew = true,
             Entry::Cycle(cycle) => self.take_cycle(cycle)?,
             Entry::Event(..) | Entry::Refused(..) | Entry::Note(..) => {}
@@ -131,8 +135,8 @@ impl Recording {
         Ok(())
     }
 
-    fn input(&mut self, text: &str) -> io::Result<()> {
-        self.inputs.write_record([&self.cycle.to_string(), text])?;
+    fn input(&mut self, text: &str, refused: &str) -> io::Result<()> {
+        self.inputs.write_record([&self.cycle.to_string(), text, refused])?;
         // Never behind the cycles, even if the program is killed.
         self.inputs.flush()
     }
@@ -149,7 +153,7 @@ impl Recording {
         self.frames.flush()?;
         self.inputs.flush()?;
         self.cycles.flush()?;
-        self.run.csv.as_mut().map_or(Ok(()), csv::Writer::flush)
+        [&mut self.run.events, &mut self.run.csv].into_iter().flatten().try_for_each(csv::Writer::flush)
     }
 }
 
@@ -159,7 +163,15 @@ struct Run {
     info: RunInfo,
     rows: Rows,
     csv: Option<csv::Writer<RowFile>>,
+    events: Option<csv::Writer<RowFile>>,
+    /// The last in `events`.
+    state: Option<State>,
+    goals: Goals,
+    /// The goal that was refused last: it may be given again and again.
+    refused: Option<Pose>,
     begun: Nanoseconds,
+    /// Of the last cycle.
+    now: Nanoseconds,
     answer: Option<ControllerOutputs>,
     goal: Pose,
     is_enabled_anew: bool,
@@ -189,11 +201,52 @@ impl Run {
             info,
             rows: Rows::new(config.rig.cables.len()),
             csv: None,
+            events: None,
+            state: None,
+            goals: Goals::new(controller.parameters()),
+            refused: None,
             begun: 0,
+            now: 0,
             answer: None,
             goal: config.home,
             is_enabled_anew: false,
         }
+    }
+
+    /// Writes down what happened beside the rows.
+    fn tell(&mut self, entry: &Entry) -> io::Result<()> {
+        if let Some(text) = self.goals.take(entry) {
+            self.event(self.now, Kind::Goal, text)?;
+        }
+        match entry {
+            Entry::Cycle(cycle) => self.now = cycle.report.time,
+            Entry::Event(time, Event::Entered(state)) => self.enter(*time, *state)?,
+            Entry::Event(time, Event::Fault(fault)) => self.event(*time, Kind::Fault, fault.to_string())?,
+            Entry::Input(Input::Operator(OperatorCommand::Goal(goal)), refusal) => {
+                let is_new = self.refused != Some(*goal);
+                self.refused = refusal.map(|_| *goal);
+                if let Some(refusal) = refusal.filter(|_| is_new) {
+                    let text = format!("goal {}: {refusal}", pose_in_words(goal));
+                    self.event(self.now, Kind::Refused, text)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, time: Nanoseconds, state: State) -> io::Result<()> {
+        if self.events.is_none() || self.state.replace(state) == Some(state) {
+            return Ok(());
+        }
+        self.event(time, Kind::State, state.to_string())
+    }
+
+    /// Once there are rows.
+    fn event(&mut self, time: Nanoseconds, kind: Kind, text: String) -> io::Result<()> {
+        let Some(events) = &mut self.events else { return Ok(()) };
+        let time = time.saturating_sub(self.begun) as f64 * 1e-9;
+        events.serialize(events::Event { time, kind, text }).map_err(io::Error::from)
     }
 
     fn take(&mut self, report: &CycleReport) -> io::Result<()> {
@@ -217,6 +270,7 @@ impl Run {
         }
         if self.csv.is_none() {
             self.begin(report.time)?;
+            self.enter(report.time, report.state)?;
         }
         let moment = moment(report, &pose, &answer, self.goal, (report.time - self.begun) as f64 * 1e-9);
         let row = self.rows.row(&moment);
@@ -230,8 +284,11 @@ impl Run {
     }
 
     fn begin(&mut self, time: Nanoseconds) -> io::Result<()> {
-        let mut csv =
-            csv::Writer::from_writer(RowFile::create(&self.folder.join(RUN_CSV)).map_err(io::Error::other)?);
+        let create = |name: &str| RowFile::create(&self.folder.join(name)).map_err(io::Error::other);
+        let mut csv = csv::Writer::from_writer(create(RUN_CSV)?);
+        let events = csv::WriterBuilder::new().has_headers(false).from_writer(create(EVENTS_CSV)?);
+        let events = self.events.insert(events);
+        events.write_record(EVENT_COLUMNS)?;
         let kept =
             columns(self.info.plant_parameters.rig.cables.len()).into_iter().filter(|name| is_measured(name));
         csv.write_record(std::iter::once("time".to_owned()).chain(kept))?;
@@ -276,5 +333,81 @@ fn moment(report: &CycleReport, pose: &Pose, answer: &ControllerOutputs, goal: P
             measured_tension: report.measured,
             slack: report.measured.map(|tension| tension <= 0.0),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use cable_robot_fieldbus::simulated::Bench;
+    use cable_robot_report::{Digest, html};
+
+    use super::*;
+    use crate::program::tests::files;
+
+    /// The simulated rig, recorded from the controller's tensions on.
+    struct Recorded {
+        bench: Bench,
+        recording: Recording,
+        told: usize,
+    }
+
+    impl Recorded {
+        fn give(&mut self, x: f64, y: f64, z: f64) {
+            let command = OperatorCommand::Goal(Pose::at(x, y, z));
+            let refusal = self.bench.bridge.operator(command, self.bench.now).err();
+            self.recording.take(&Entry::Input(Input::Operator(command), refusal)).unwrap();
+        }
+
+        fn run(&mut self, seconds: f64) {
+            for report in self.bench.run(seconds) {
+                let cycle = Cycle { report, lateness: 0, latency: None, missed: 0 };
+                self.recording.take(&Entry::Cycle(cycle)).unwrap();
+            }
+            for (time, event) in &self.bench.events[self.told..] {
+                self.recording.take(&Entry::Event(*time, *event)).unwrap();
+            }
+            self.told = self.bench.events.len();
+        }
+    }
+
+    /// The platform was shown at rest at its goal, with neither state nor fault, and goals as given that were refused.
+    #[test]
+    fn after_a_fault_the_report_says_so_and_no_pose_is_made_up() {
+        let (folder, files) = (tempfile::tempdir().unwrap(), files());
+        let controller = BridgeController::open(&files.config, None).unwrap();
+        let recording = Recording::create(folder.path(), &files, &controller, Purpose::Run(None)).unwrap();
+        let mut bench = Bench::new(files.config, PlantParameters::default()).unwrap();
+        assert!(bench.start(), "{:?}", bench.events.last());
+        let told = bench.events.len();
+        let mut recorded = Recorded { bench, recording, told };
+        recorded.run(1.5);
+        recorded.give(0.1, 0.0, 1.0);
+        recorded.give(9.0, 0.0, 1.0);
+        recorded.run(0.5);
+        recorded.bench.rig.drives[0].faults.is_silent = true;
+        recorded.run(1.0);
+        recorded.recording.flush().unwrap();
+
+        let events = fs::read_to_string(folder.path().join(EVENTS_CSV)).unwrap();
+        let page = html(&Digest::read(folder.path(), |file| file).unwrap()).unwrap();
+        for said in [
+            "<li class=\"bad\">fault at 2.0",
+            "<b>the encoder of cable 1 is silent</b>",
+            "<td>goal (0.1, 0, 1) m given</td>",
+            "<td>goal (9, 0, 1) m: the goal is outside of limits.space: x = 9 m</td>",
+            "<td>goal (0.1, 0, 1) m given up: after 0.5 s, the bridge is in Stopping</td>",
+            "<td>Stopping</td>",
+            "<td>Fault</td>",
+            "\"unmeasuredSpans\":[[",
+            "<th scope=\"row\">Disturbance</th><td>not measured</td>",
+            "<th scope=\"row\">Imperfections</th><td>not measured</td>",
+        ] {
+            assert!(page.contains(said), "{said} is not there\n{events}");
+        }
+        let inputs = fs::read_to_string(folder.path().join(log::INPUTS)).unwrap();
+        assert!(inputs.contains("goal 9 0 1 0 0 0,the goal is outside of limits.space: x = 9 m"), "{inputs}");
+        assert!(inputs.contains("goal 0.1 0 1 0 0 0,\n"), "{inputs}");
     }
 }

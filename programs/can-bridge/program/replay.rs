@@ -201,10 +201,16 @@ struct Inputs {
     /// Which controller it was.
     controller: Option<String>,
     purpose: Purpose,
-    /// Each with the cycle before which it entered.
-    inputs: VecDeque<(u64, Input)>,
+    inputs: VecDeque<Entered>,
     /// The cycle before which entries are missing.
     gap: Option<u64>,
+}
+
+/// An input, the cycle before which it entered, and why it was not taken: empty if it was.
+struct Entered {
+    cycle: u64,
+    input: Input,
+    refused: String,
 }
 
 impl Inputs {
@@ -218,7 +224,7 @@ impl Inputs {
         let mut last = 0;
         for (k, row) in rows.deserialize().enumerate() {
             let place = || format!("{}: line {}", path.display(), k + 2);
-            let (cycle, text): (u64, String) = row.with_context(place)?;
+            let (cycle, text, refused): (u64, String, String) = row.with_context(place)?;
             ensure!(cycle >= last, "{}: cycle {cycle} comes after cycle {last}", place());
             last = cycle;
             match text.as_str() {
@@ -230,7 +236,11 @@ impl Inputs {
                         (None, Some(purpose)) => read.purpose = purpose,
                         (None, None) => {
                             let input = log::parse_input(config, text).map_err(|reason| anyhow!(reason));
-                            read.inputs.push_back((cycle, input.with_context(place)?));
+                            read.inputs.push_back(Entered {
+                                cycle,
+                                input: input.with_context(place)?,
+                                refused,
+                            });
                         }
                     }
                 }
@@ -252,7 +262,7 @@ struct Replay {
     config: Config,
     bridge: Bridge,
     is_dry: bool,
-    inputs: VecDeque<(u64, Input)>,
+    inputs: VecDeque<Entered>,
     gap: Option<u64>,
     clock: Clock,
     lines: BufReader<Lines<File>>,
@@ -283,11 +293,11 @@ impl Replay {
     /// Looks at what comes after the last cycle: a program that was killed has handed over frames and inputs of up to a second of which no cycle tells.
     fn say_what_is_left(&mut self, cycles: u64) -> Result<()> {
         let latest = cycles + JOURNAL / self.config.period;
-        if let Some((cycle, _)) = self.inputs.iter().find(|(cycle, _)| *cycle > latest) {
-            bail!("{}: there is no cycle {cycle}, the recording has {cycles}", log::INPUTS);
+        if let Some(late) = self.inputs.iter().find(|entered| entered.cycle > latest) {
+            bail!("{}: there is no cycle {}, the recording has {cycles}", log::INPUTS, late.cycle);
         }
         let (inputs, before) =
-            (self.inputs.iter().filter(|(cycle, _)| *cycle >= cycles).count(), self.frames);
+            (self.inputs.iter().filter(|entered| entered.cycle >= cycles).count(), self.frames);
         while self.next(None)?.is_some() {}
         let frames = self.frames - before;
         if inputs + frames as usize > 0 {
@@ -310,12 +320,16 @@ impl Replay {
             self.bridge.on_frame(on_bus.bus, &on_bus.frame, on_bus.time);
             self.received += 1;
         }
-        while self.inputs.front().is_some_and(|(cycle, _)| *cycle <= recorded.number) {
-            match self.inputs.pop_front() {
-                // That it is refused is part of the replay.
-                Some((_, Input::Operator(command))) => _ = self.bridge.operator(command, recorded.time),
-                Some((_, Input::Transport { bus, error, .. })) => self.bridge.on_transport_error(bus, error),
-                None => {}
+        while let Some(entered) = self.inputs.pop_front_if(|entered| entered.cycle <= recorded.number) {
+            match entered.input {
+                Input::Operator(command) => {
+                    let refused = log::refusal_text(self.bridge.operator(command, recorded.time).err());
+                    if refused != entered.refused {
+                        let was = format!("was refused with {:?} and is with {refused:?}", entered.refused);
+                        return Ok(Step::Differs(format!("{command} {was}")));
+                    }
+                }
+                Input::Transport { bus, error, .. } => self.bridge.on_transport_error(bus, error),
             }
         }
         let report = self.bridge.cycle(recorded.time, controller, &mut self.out);
@@ -335,9 +349,9 @@ impl Replay {
         let mut refused: VecDeque<_> = self
             .inputs
             .iter()
-            .take_while(|(cycle, _)| *cycle == recorded.number + 1)
-            .filter_map(|(_, input)| match input {
-                Input::Transport { bus, frame: Some(frame), .. } => Some((*bus, *frame)),
+            .take_while(|entered| entered.cycle == recorded.number + 1)
+            .filter_map(|entered| match entered.input {
+                Input::Transport { bus, frame: Some(frame), .. } => Some((bus, frame)),
                 _ => None,
             })
             .collect();

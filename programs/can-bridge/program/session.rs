@@ -174,7 +174,7 @@ impl<'a> Session<'a> {
         let (time, lateness) = (self.time(began), began.saturating_sub(self.due));
         for k in 0..self.errors.len() {
             let (bus, error, frame) = self.errors[k];
-            self.teller.tell(Entry::Input(Input::Transport { bus, error, frame }));
+            self.teller.tell(Entry::Input(Input::Transport { bus, error, frame }, None));
             self.bridge.on_transport_error(bus, error);
         }
         self.errors.clear();
@@ -201,8 +201,8 @@ impl<'a> Session<'a> {
     }
 
     fn obey(&mut self, command: OperatorCommand, time: Nanoseconds) {
-        self.teller.tell(Entry::Input(Input::Operator(command)));
         let refusal = self.bridge.operator(command, time).err();
+        self.teller.tell(Entry::Input(Input::Operator(command), refusal));
         // What is asked again and again, as a dead man's button does, is refused once.
         if let Some(refusal) = refusal.filter(|refusal| self.refusal != Some(*refusal)) {
             self.teller.tell(Entry::Refused(time, refusal));

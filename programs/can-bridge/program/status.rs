@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Result;
+use cable_robot::plan::ControllerParameters;
 use cable_robot::robot::{PerCable, TensionLimits};
 use cable_robot_fieldbus::bridge::CycleReport;
 use cable_robot_fieldbus::bus_load::worst_case_bits;
@@ -14,6 +15,7 @@ use hdrhistogram::Histogram;
 use serde_json::{Value, json};
 
 use super::entry::{Cycle, Entry};
+use super::fate::Goals;
 use super::outlet::Outlet;
 use super::terminal::say;
 
@@ -30,6 +32,7 @@ pub struct Status {
     lateness: Histogram<u64>,
     latency: Histogram<u64>,
     report: Option<CycleReport>,
+    goals: Goals,
     cycles: u64,
     missed: u64,
     lost: u64,
@@ -40,7 +43,7 @@ pub struct Status {
 
 impl Status {
     /// Nothing has happened yet.
-    pub fn new(config: &Config) -> Result<Self> {
+    pub fn new(config: &Config, controller: ControllerParameters) -> Result<Self> {
         let histogram = || Histogram::new_with_bounds(1, LONGEST, DIGITS);
         Ok(Self {
             limits: config.rig.limits(),
@@ -48,6 +51,7 @@ impl Status {
             lateness: histogram()?,
             latency: histogram()?,
             report: None,
+            goals: Goals::new(controller),
             cycles: 0,
             missed: 0,
             lost: 0,
@@ -56,8 +60,18 @@ impl Status {
         })
     }
 
-    /// Takes in what happened.
-    pub fn take(&mut self, entry: &Entry) {
+    /// Takes in what happened. What is to be said of a goal then.
+    pub fn take(&mut self, entry: &Entry) -> Option<String> {
+        self.count(entry);
+        self.goals.take(entry)
+    }
+
+    /// Since the program's start, of the last cycle.
+    pub fn now(&self) -> Nanoseconds {
+        self.report.map_or(0, |report| report.time)
+    }
+
+    fn count(&mut self, entry: &Entry) {
         match entry {
             Entry::Received(frame) | Entry::Sent(frame) => {
                 self.frames += 1;
@@ -75,14 +89,15 @@ impl Status {
                 self.report = Some(*report);
             }
             Entry::Lost(count) => self.lost += count,
-            Entry::Input(_) | Entry::Event(..) | Entry::Refused(..) | Entry::Note(..) => {}
+            Entry::Input(..) | Entry::Event(..) | Entry::Refused(..) | Entry::Note(..) => {}
         }
     }
 
     /// Share of each bus that the frames of the last second took, stuffed at worst.
     fn loads(&self) -> Vec<f64> {
         let bits = |bus: usize| {
-            self.recent.iter().filter(|frame| frame.1 == bus).map(|frame| f64::from(frame.2)).sum::<f64>()
+            let of_bus = self.recent.iter().filter(|frame| frame.1 == bus);
+            of_bus.map(|frame| u64::from(frame.2)).sum::<u64>() as f64
         };
         let share = |(bus, rate): (usize, &f64)| bits(bus) * 1e9 / WINDOW as f64 / rate;
         self.bit_rate.iter().enumerate().map(share).collect()
@@ -97,12 +112,13 @@ impl Status {
     pub fn line(&self) -> String {
         let Some(report) = &self.report else { return "waiting for the first cycle".to_owned() };
         let [p50, p99, max] = percentiles(&self.lateness);
-        let loads: Vec<_> =
-            self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load.max(0.0))).collect();
+        let loads: Vec<_> = self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load)).collect();
         let margins: Vec<_> = self.margins(report).iter().map(|margin| tenths(*margin)).collect();
-        let fault = report.fault.map_or(String::new(), |fault| format!(" | {fault}"));
+        // What is behind them may be cut off.
+        let fault = report.fault.map_or(String::new(), |fault| format!(": {fault}"));
+        let goal = self.goals.text().map_or(String::new(), |goal| format!(" | {goal}"));
         format!(
-            "{} | late {p50:.0}/{p99:.0}/{max:.0} µs, {} missed | bus {} | margins {} N{fault}",
+            "{}{fault}{goal} | late {p50:.0}/{p99:.0}/{max:.0} µs, {} missed | bus {} | margins {} N",
             report.state,
             self.missed,
             loads.join(" "),
@@ -122,6 +138,7 @@ impl Status {
             "state": report.state.to_string(),
             "fault": report.fault.map(|fault| fault.to_string()),
             "pose": report.measured_pose.map(|pose| pose.0.as_slice().to_vec()),
+            "goal": self.goals.json(),
             "length": report.length,
             "measured": report.measured,
             "tension": report.tension,

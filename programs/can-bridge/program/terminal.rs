@@ -14,6 +14,7 @@ use super::outlet::Outlet;
 enum Text {
     Line(String),
     Status(String),
+    Typed(Option<String>),
     NoStatus,
 }
 
@@ -23,15 +24,23 @@ static OUTLET: OnceLock<Outlet<Text>> = OnceLock::new();
 pub fn start() -> Result<()> {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     bar.set_style(ProgressStyle::with_template("{wide_msg}")?);
+    let (mut status, mut typed) = (String::new(), None);
     let write = move |text| {
         match text {
-            Text::Line(line) => bar.suspend(|| print(&line)),
-            Text::Status(line) => {
-                bar.set_message(plain(&line).into_owned());
-                bar.tick();
+            Text::Line(line) => {
+                bar.suspend(|| print(&line));
+                return Ok(());
             }
-            Text::NoStatus => bar.finish_and_clear(),
+            Text::NoStatus => {
+                bar.finish_and_clear();
+                return Ok(());
+            }
+            Text::Status(line) => status = line,
+            Text::Typed(line) => typed = line,
         }
+        let shown = typed.as_ref().map_or(status.clone(), |typed| format!("{typed} | {status}"));
+        bar.set_message(plain(&shown).into_owned());
+        bar.tick();
         Ok(())
     };
     let _ = OUTLET.set(Outlet::new("terminal", write)?);
@@ -50,6 +59,13 @@ pub fn say(text: impl Display) {
 pub fn show(status: String) {
     if let Some(outlet) = OUTLET.get() {
         outlet.push(Text::Status(status));
+    }
+}
+
+/// What the operator is typing, before the status.
+pub fn show_typed(typed: Option<String>) {
+    if let Some(outlet) = OUTLET.get() {
+        outlet.push(Text::Typed(typed));
     }
 }
 

@@ -44,10 +44,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The example, with times that a busy machine can keep.
+/// The example.
+pub fn files() -> Files {
+    Files::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml").as_ref()).unwrap()
+}
+
+/// The same, with times that a busy machine can keep.
 pub fn config() -> Config {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml");
-    let mut config = Files::read(path.as_ref()).unwrap().config;
+    let mut config = files().config;
     config.limits.lost_cycles = 100;
     config.heartbeat.timeout = 2_000_000_000;
     config.heartbeat.drive_watchdog = 2_000_000_000;

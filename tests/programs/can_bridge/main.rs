@@ -140,7 +140,7 @@ fn nothing_in_a_recording_is_left_unlooked_at() {
     let middle = |text: &str| text.lines().nth(text.lines().count() / 2).unwrap().to_owned();
     let (code, said) = changed("frames.log", &|text| format!("{text}\0\0\0"));
     assert!(code == Some(1) && said.contains("something behind the last frame"), "{said}");
-    let (code, said) = changed("inputs.csv", &|text| format!("{text}18446744073709551615,release\n"));
+    let (code, said) = changed("inputs.csv", &|text| format!("{text}18446744073709551615,release,\n"));
     assert!(code == Some(1) && said.contains("there is no cycle 18446744073709551615"), "{said}");
     let (code, said) = changed("frames.log", &|text| {
         let line = middle(text);

@@ -33,6 +33,19 @@ pub enum Fault {
         /// Abort code.
         code: u32,
     },
+    /// A node's object is longer than what is read of any.
+    #[error(
+        "node {node} answers for object {object} with {} in segments; of an object that is read here there are at most 4",
+        count_in_words(*.bytes)
+    )]
+    TooLong {
+        /// Its address.
+        node: Node,
+        /// What was asked for.
+        object: Object,
+        /// How long it is, if the node says so.
+        bytes: Option<u32>,
+    },
     /// A node's object is not what it should be.
     #[error("object {object} of node {node} is 0x{found:X}, not 0x{expected:X}")]
     Different {
@@ -54,7 +67,7 @@ pub enum Fault {
         found: i8,
     },
     /// A drive did not follow its control word.
-    #[error("drive {node} stays in \"{state}\"")]
+    #[error("drive {node} stays in \"{state}\"{}", held_by(*.state))]
     DriveStuck {
         /// Its address.
         node: Node,
@@ -87,7 +100,7 @@ pub enum Fault {
         state: DriveState,
     },
     /// A drive left Operation enabled unasked.
-    #[error("drive {node} left \"Operation enabled\" for \"{state}\"")]
+    #[error("drive {node} left \"Operation enabled\" for \"{state}\"{}", held_by(*.state))]
     DriveLeft {
         /// Its address.
         node: Node,
@@ -150,7 +163,7 @@ pub enum Fault {
         node: Node,
     },
     /// A node left Operational.
-    #[error("node {node} is {state:?}, not Operational")]
+    #[error("node {node} is {state}, not Operational")]
     NotOperational {
         /// Its address.
         node: Node,
@@ -322,6 +335,20 @@ pub enum TransportError {
     Gone,
 }
 
+fn count_in_words(bytes: Option<u32>) -> String {
+    bytes.map_or("more bytes than it says".to_owned(), |bytes| format!("{bytes} bytes"))
+}
+
+/// What keeps a drive from torque without a fault. CiA 402 has no bit and no code for safe torque off: the state is all that is seen of it.
+fn held_by(state: DriveState) -> &'static str {
+    match state {
+        DriveState::SwitchOnDisabled | DriveState::NotReadyToSwitchOn => {
+            ": safe torque off (STO, an emergency stop), its enable input or its supply may hold it there"
+        }
+        _ => "",
+    }
+}
+
 fn disobedience(bits: u16) -> &'static str {
     if bits & status::REMOTE != 0 {
         "it is commanded by somebody else (status bit 9, remote)"
@@ -345,6 +372,7 @@ impl Fault {
             NoBoot { node }
             | NoAnswer { node, .. }
             | Refused { node, .. }
+            | TooLong { node, .. }
             | Different { node, .. }
             | ModeRefused { node, .. }
             | DriveStuck { node, .. }
@@ -404,6 +432,13 @@ impl FaultList {
             }
             Some(Some(_)) | None => false,
         }
+    }
+
+    /// The same, before all others: they may follow from it.
+    pub fn insert_first(&mut self, fault: Fault) {
+        let others = std::mem::take(self);
+        self.insert(fault);
+        others.iter().for_each(|other| _ = self.insert(other));
     }
 
     pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {

@@ -170,7 +170,7 @@ impl Bridge {
         let found = match response.result {
             SdoResult::Value(value) => value.bits as u8 as i8,
             SdoResult::Unsized([mode, ..]) => mode as i8,
-            SdoResult::Written | SdoResult::Aborted(_) => return,
+            SdoResult::Written | SdoResult::Segmented(_) | SdoResult::Aborted(_) => return,
         };
         let drive = self.config.drives.iter().position(|drive| drive.node == node);
         let Some(i) = drive.filter(|_| response.object == MODE_DISPLAY) else { return };

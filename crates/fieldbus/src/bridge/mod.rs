@@ -409,7 +409,8 @@ impl Bridge {
         }
         self.events.push(now, Event::Emergency(emergency));
         // With no error in the error register it is a warning.
-        if emergency.code != 0 && emergency.register != 0 && self.is_active() {
+        let is_error = emergency.code != 0 && emergency.register != 0;
+        if is_error && !self.config.ignores(&emergency) && self.is_active() {
             self.raise(Fault::Emergency(emergency));
         }
     }
@@ -510,7 +511,10 @@ impl Bridge {
         }
         let gap = time - self.time;
         if gap > self.config.period * u64::from(self.config.limits.lost_cycles + 1) {
-            self.raise_if_active(Fault::Overrun { gap });
+            // What nodes and frames have to say of the time without the bridge follows from it.
+            if self.is_active() {
+                self.pending.insert_first(Fault::Overrun { gap });
+            }
         }
         self.time = time;
     }

@@ -275,12 +275,15 @@ impl Startup {
                 self.next_step(now);
                 Ok(())
             }
-            (Phase::Reading, SdoResult::Aborted(_)) if step.kind == Kind::Note => {
+            (Phase::Reading, SdoResult::Aborted(_) | SdoResult::Segmented(_)) if step.kind == Kind::Note => {
                 self.next_step(now);
                 Ok(())
             }
             (Phase::Writing | Phase::Reading, SdoResult::Aborted(code)) => {
                 Err(Fault::Refused { node: self.node, object: step.object, code })
+            }
+            (Phase::Reading, SdoResult::Segmented(bytes)) => {
+                Err(Fault::TooLong { node: self.node, object: step.object, bytes })
             }
             (Phase::Writing, SdoResult::Written) => {
                 self.enter(Phase::Reading, now);
@@ -471,6 +474,17 @@ mod tests {
             _ => None,
         });
         assert!(matches!(written_only.unwrap_err(), Fault::Different { object: MODE, .. }));
+    }
+
+    /// It was said to be refused: "command specifier not valid or unknown".
+    #[test]
+    fn an_answer_in_segments_is_no_refusal_and_is_called_what_it_is() {
+        let rated = Object::new(0x6076, 0);
+        let long =
+            run(|r| (r == SdoRequest::Read(rated)).then_some(SdoResult::Segmented(Some(9)))).unwrap_err();
+        assert_eq!(long, Fault::TooLong { node: 1, object: rated, bytes: Some(9) });
+        let said = "node 1 answers for object 0x6076:0 with 9 bytes in segments; of an object that is read here there are at most 4";
+        assert_eq!(long.to_string(), said);
     }
 
     #[test]

@@ -77,11 +77,36 @@ pub enum OperatorCommand {
     Shutdown,
 }
 
+impl fmt::Display for OperatorCommand {
+    /// As an operator gives it in a line, every number in full.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Home => f.write_str("home"),
+            Self::Enable => f.write_str("enable"),
+            Self::Release => f.write_str("release"),
+            Self::Reset => f.write_str("reset"),
+            Self::Shutdown => f.write_str("shutdown"),
+            Self::Lower => f.write_str("lower"),
+            Self::Pull(cable) => write!(f, "pull {}", cable + 1),
+            Self::Weigh => f.write_str("weigh"),
+            Self::Zero => f.write_str("zero"),
+            Self::TryWatchdog => f.write_str("watchdog"),
+            Self::Goal(pose) => numbers(f, "goal", pose),
+            Self::Placed(pose) => numbers(f, "placed", pose),
+        }
+    }
+}
+
+fn numbers(f: &mut fmt::Formatter<'_>, word: &str, pose: &Pose) -> fmt::Result {
+    f.write_str(word)?;
+    pose.0.iter().try_for_each(|number| write!(f, " {number}"))
+}
+
 /// Why a command was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
     /// Not now.
-    #[error("{command:?} is not possible in {state}")]
+    #[error("{command} is not possible in {state}")]
     State {
         /// What was asked.
         command: OperatorCommand,
@@ -92,7 +117,7 @@ pub enum Refusal {
     #[error("it is still pressed from before: release it first")]
     StillPressed,
     /// A goal is no pose.
-    #[error("the goal {0:?} is not finite")]
+    #[error("{} is not finite", OperatorCommand::Goal(*.0))]
     Goal(Pose),
     /// A goal is outside of the box.
     #[error("the goal is outside of limits.space: {axis} = {at} m")]
@@ -140,6 +165,20 @@ pub enum Cause {
     Fault(Fault),
     /// The platform was let down and stands.
     Landed,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Released => f.write_str("the operator let go"),
+            Self::EnableExpired => f.write_str("the operator's button was not given again in time"),
+            Self::Lower => f.write_str("the operator wants the platform down"),
+            Self::Reset => f.write_str("everything is to be set up anew"),
+            Self::Shutdown => f.write_str("the program ends"),
+            Self::Landed => f.write_str("the platform stands"),
+            Self::Fault(fault) => fault.fmt(f),
+        }
+    }
 }
 
 /// Something to log.

@@ -233,7 +233,7 @@ impl Bridge {
         let found = match response.result {
             SdoResult::Value(value) => value.bits as u16,
             SdoResult::Unsized([low, high, ..]) => u16::from_le_bytes([low, high]),
-            SdoResult::Written | SdoResult::Aborted(_) => return,
+            SdoResult::Written | SdoResult::Segmented(_) | SdoResult::Aborted(_) => return,
         };
         let drive = self.config.drives.iter().position(|drive| (drive.bus, drive.node) == (bus, node));
         if let (Some(i), true) = (drive, response.object == STATUS_WORD) {

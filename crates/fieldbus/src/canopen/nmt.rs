@@ -1,5 +1,7 @@
 //! Network management: commands to nodes, and the heartbeats by which nodes tell their state.
 
+use std::fmt;
+
 use super::Node;
 use crate::frame::{Frame, FrameKind};
 
@@ -32,6 +34,18 @@ pub enum NmtState {
     Operational = 0x05,
     /// Service data only.
     PreOperational = 0x7F,
+}
+
+impl fmt::Display for NmtState {
+    /// As the standard writes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BootUp => "Initialisation",
+            Self::Stopped => "Stopped",
+            Self::Operational => "Operational",
+            Self::PreOperational => "Pre-operational",
+        })
+    }
 }
 
 impl NmtCommand {

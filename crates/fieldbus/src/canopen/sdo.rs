@@ -34,6 +34,8 @@ pub enum SdoResult {
     Value(Value),
     /// Read, but the server does not say how many of the four bytes count.
     Unsized([u8; 4]),
+    /// The object is longer than an expedited answer: it would come in segments. So many bytes, if the server says how many.
+    Segmented(Option<u32>),
     /// Refused with an abort code ([`abort_text`]).
     Aborted(u32),
 }
@@ -77,12 +79,13 @@ impl SdoResponse {
             SdoResult::Written => (0x60, 0),
             SdoResult::Value(value) => (0x43 | unused_bytes(value.width), value.bits),
             SdoResult::Unsized(bytes) => (0x42, u32::from_le_bytes(bytes)),
+            SdoResult::Segmented(bytes) => (0x40 | u8::from(bytes.is_some()), bytes.unwrap_or(0)),
             SdoResult::Aborted(code) => (0x80, code),
         };
         message(RESPONSE_ID + u16::from(node), command, self.object, bits)
     }
 
-    /// The node and its answer; `None` if the frame is no answer. A segmented transfer is taken for a refusal.
+    /// The node and its answer; `None` if the frame is no answer.
     pub fn parse(frame: &Frame) -> Option<(Node, Self)> {
         let node = node_of(frame, RESPONSE_ID)?;
         let (command, object, bits) = fields(frame)?;
@@ -91,6 +94,8 @@ impl SdoResponse {
             0x80 => SdoResult::Aborted(bits),
             // Expedited without a size.
             0x42 => SdoResult::Unsized(bits.to_le_bytes()),
+            0x40 => SdoResult::Segmented(None),
+            0x41 => SdoResult::Segmented(Some(bits)),
             _ => written_value(command, 0x43, bits).map_or(SdoResult::Aborted(UNSUPPORTED), SdoResult::Value),
         };
         Some((node, Self { object, result }))
@@ -181,12 +186,20 @@ mod tests {
         assert_eq!(answer([0x42, 0x71, 0x60, 0, 1, 2, 3, 4]), SdoResult::Unsized([1, 2, 3, 4]));
         assert_eq!(answer([0x60, 0x71, 0x60, 0, 0, 0, 0, 0]), SdoResult::Written);
         assert_eq!(answer([0x80, 0x71, 0x60, 0, 0x00, 0x00, 0x02, 0x06]), SdoResult::Aborted(0x0602_0000));
-        assert_eq!(answer([0x41, 0x71, 0x60, 0, 9, 0, 0, 0]), SdoResult::Aborted(UNSUPPORTED));
+        assert_eq!(answer([0x41, 0x71, 0x60, 0, 9, 0, 0, 0]), SdoResult::Segmented(Some(9)));
+        assert_eq!(answer([0x40, 0x71, 0x60, 0, 0, 0, 0, 0]), SdoResult::Segmented(None));
+        assert_eq!(answer([0xC2, 0x71, 0x60, 0, 0, 0, 0, 0]), SdoResult::Aborted(UNSUPPORTED));
     }
 
     #[test]
     fn answers_come_back_as_they_were_written() {
-        for result in [SdoResult::Written, SdoResult::Value(Value::u8(10)), SdoResult::Aborted(0x0609_0030)] {
+        for result in [
+            SdoResult::Written,
+            SdoResult::Value(Value::u8(10)),
+            SdoResult::Segmented(Some(9)),
+            SdoResult::Segmented(None),
+            SdoResult::Aborted(0x0609_0030),
+        ] {
             let response = SdoResponse { object: OBJECT, result };
             assert_eq!(SdoResponse::parse(&response.frame(9)), Some((9, response)));
         }

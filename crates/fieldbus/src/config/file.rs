@@ -10,8 +10,8 @@ use toml::Spanned;
 
 use super::values::{bus, time};
 use super::{
-    Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, Parameter, Safe, SafeOutput,
-    Setting, Slack, Timeouts, TorqueFrame,
+    Action, Bus, Cell, Config, ConfigError, ControllerConfig, Drive, Heartbeat, IgnoredEmergency, Parameter,
+    Safe, SafeOutput, Setting, Slack, Timeouts, TorqueFrame,
 };
 use crate::canopen::{self, Node, Object, Value, Width};
 use crate::cia402::Winch;
@@ -44,6 +44,17 @@ struct File {
     #[serde(default)]
     load_cell_objects: Vec<ObjectEntry>,
     load_cells: Spanned<Vec<CellEntry>>,
+    #[serde(default)]
+    ignored_emergencies: Vec<EmergencyEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EmergencyEntry {
+    code: Spanned<u32>,
+    /// None for all of them.
+    node: Option<Spanned<u32>>,
+    register: Option<Spanned<u32>>,
 }
 
 #[derive(Deserialize)]
@@ -167,6 +178,7 @@ pub(super) fn parse(text: &str, rig: &RigFile) -> Result<Config, ConfigError> {
         drive_objects: settings(&check, &file.drive_objects, "drive_objects")?,
         load_cells: load_cells(&check, &file, &buses, cables)?,
         load_cell_objects: settings(&check, &file.load_cell_objects, "load_cell_objects")?,
+        ignored_emergencies: ignored(&check, &file.ignored_emergencies)?,
         home: home(&check, &file.home, &rig.rig)?,
         slack: slack(&check, &file.slack)?,
         limits: limits(&check, &file.limits, &rig.rig, home(&check, &file.home, &rig.rig)?)?,
@@ -306,13 +318,31 @@ fn settings(check: &Checked, entries: &[ObjectEntry], table: &str) -> Result<Vec
         let value = check.within(&entry.value, &format!("{field}.value"), -end / 2..=end - 1, "")?;
         let bits = (value & (end - 1)) as u32;
         let object = object(check, &field, &entry.index, &entry.subindex)?;
-        let node = match &entry.node {
-            Some(named) => Some(check.within(named, &format!("{field}.node"), 1..=127, "")? as Node),
-            None => None,
-        };
+        let node = node(check, &field, &entry.node)?;
         Ok(Setting { object, value: Value { bits, width }, action: entry.action, node })
     };
     entries.iter().enumerate().map(setting).collect()
+}
+
+fn node(check: &Checked, field: &str, named: &Option<Spanned<u32>>) -> Result<Option<Node>, Refused> {
+    let node = |named| Ok(check.within(named, &format!("{field}.node"), 1..=127, "")? as Node);
+    named.as_ref().map(node).transpose()
+}
+
+/// Bits of the error register that an ignored emergency may have without their being named: communication, the device profile's, the
+/// maker's. Generic (of every error), current, voltage and temperature are to be named.
+const HARMLESS: u8 = 0xB0;
+
+fn ignored(check: &Checked, entries: &[EmergencyEntry]) -> Result<Vec<IgnoredEmergency>, Refused> {
+    let one = |(k, entry): (usize, &EmergencyEntry)| {
+        let field = format!("ignored_emergencies[{}]", k + 1);
+        let code = check.within(&entry.code, &format!("{field}.code"), 1..=0xFFFF, "(0x0001 to 0xFFFF)")?;
+        let named = |bits| check.within(bits, &format!("{field}.register"), 0..=0xFF, "");
+        let named = entry.register.as_ref().map(named).transpose()?.unwrap_or(0);
+        let node = node(check, &field, &entry.node)?;
+        Ok(IgnoredEmergency { code: code as u16, node, register: HARMLESS | named as u8 })
+    };
+    entries.iter().enumerate().map(one).collect()
 }
 
 /// An entry for each of so many cables, or an error that says how many there are.

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::Nanoseconds;
-use super::canopen::{Node, Object, Value};
+use super::canopen::{Emergency, Node, Object, Value};
 use super::cia402::Winch;
 use super::load_cell::LoadCell;
 use cable_robot::checked_toml::Refused;
@@ -47,6 +47,8 @@ pub struct Config {
     pub load_cells: Vec<Cell>,
     /// The same for the nodes of the load cells.
     pub load_cell_objects: Vec<Setting>,
+    /// Emergency messages that end nothing.
+    pub ignored_emergencies: Vec<IgnoredEmergency>,
     /// Where the platform stands when the encoders are read for the first time.
     pub home: Pose,
     /// How slack is taken up.
@@ -155,6 +157,25 @@ pub enum Action {
     Write,
     /// It must already be so.
     Check,
+}
+
+/// An emergency message that is logged and ends nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IgnoredEmergency {
+    /// Its code, all digits.
+    pub code: u16,
+    /// Of this node alone; of all if none is named.
+    pub node: Option<Node>,
+    /// Bits that the error register may have: with others it is no longer this harmless message.
+    pub register: u8,
+}
+
+impl IgnoredEmergency {
+    fn is(&self, emergency: &Emergency) -> bool {
+        self.code == emergency.code
+            && self.node.is_none_or(|node| node == emergency.node)
+            && emergency.register & !self.register == 0
+    }
 }
 
 /// How slack is taken up.
@@ -326,6 +347,11 @@ impl Config {
     pub fn lowering_speed(&self) -> f64 {
         let shortest = self.rig.cables_at(&self.home).length.iter().copied().fold(f64::INFINITY, f64::min);
         LOWERING_SPEED.min(LOWERING_SHARE * shortest)
+    }
+
+    /// Whether the fieldbus file says that an emergency message ends nothing.
+    pub fn ignores(&self, emergency: &Emergency) -> bool {
+        self.ignored_emergencies.iter().any(|ignored| ignored.is(emergency))
     }
 
     /// Cycles in a time, at least one.

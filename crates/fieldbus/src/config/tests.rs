@@ -52,6 +52,32 @@ fn an_object_may_be_of_one_node_alone() {
 }
 
 #[test]
+fn an_emergency_that_is_ignored_has_no_other_bits_than_those_named() {
+    let emergency = |node, code, register| Emergency { node, code, register, maker: [0; 5] };
+    let with = |entry: &str| parse(&format!("{AKD}\n[[ignored_emergencies]]\n{entry}\n"));
+    let config = with("code = 0x8140").unwrap();
+    assert!(config.ignores(&emergency(3, 0x8140, 0x10)) && config.ignores(&emergency(4, 0x8140, 0x80)));
+    // Generic, current, voltage, temperature; another code of its class.
+    for (code, register) in [(0x8140, 0x11), (0x8140, 0x12), (0x8140, 0x04), (0x8140, 0x08), (0x8141, 0x10)] {
+        assert!(!config.ignores(&emergency(3, code, register)), "{code:X} {register:X}");
+    }
+    let config = with("code = 0x8140\nnode = 3\nregister = 0x01").unwrap();
+    assert!(config.ignores(&emergency(3, 0x8140, 0x11)) && !config.ignores(&emergency(4, 0x8140, 0x11)));
+    assert!(!config.ignores(&emergency(3, 0x8140, 0x15)));
+    for (entry, said) in [
+        ("code = 0", "ignored_emergencies[1].code = 0 is not allowed"),
+        (
+            "code = 1\nnode = 99",
+            "ignored_emergencies[1].node = 99 is not allowed: must be of one of the nodes",
+        ),
+        ("code = 1\nregister = 256", "ignored_emergencies[1].register = 256 is not allowed"),
+    ] {
+        let error = with(entry).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
 fn a_long_watchdog_is_taken_with_a_reason() {
     let long = AKD.replacen("drive_watchdog = 0.1 ", "long_watchdog = \"brakes\"\ndrive_watchdog = 60.0 ", 1);
     assert_eq!(parse(&long).unwrap().heartbeat.drive_watchdog, 60_000_000_000);

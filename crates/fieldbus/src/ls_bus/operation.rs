@@ -1,6 +1,8 @@
 //! The operations of FMI-LS-BUS 1.0.0 for CAN as bytes: operation code (u32), length of the whole (u32), arguments; little endian,
 //! one behind the other. Of the standard: "Layered Standard Bus Protocol", and "Operations" of "CAN, CAN FD, CAN XL".
 
+use std::fmt;
+
 use thiserror::Error;
 
 use crate::frame::{Frame, FrameKind, LARGEST_ID};
@@ -213,6 +215,16 @@ pub enum NodeStatus {
     ErrorPassive = 2,
     /// It sends nothing any more.
     BusOff = 3,
+}
+
+impl fmt::Display for NodeStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::ErrorActive => "error active",
+            Self::ErrorPassive => "error passive",
+            Self::BusOff => "bus off",
+        })
+    }
 }
 
 /// An operation to be sent, at most 24 bytes long.

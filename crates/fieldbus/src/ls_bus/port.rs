@@ -188,7 +188,7 @@ impl fmt::Display for Notice<'_> {
                 write!(f, "Arbitration Lost: the frame 0x{id:03X} was dropped; it is not sent again")
             }
             Self::Destroyed(error) => write!(f, "Bus Error {}: the frame 0x{:03X}", error.code, error.id),
-            Self::Status(status) => write!(f, "the CAN controller is {status:?}"),
+            Self::Status(status) => write!(f, "the CAN controller is {status}"),
         }
     }
 }
@@ -273,7 +273,7 @@ mod tests {
     fn a_transmitter_with_too_many_errors_is_off_the_bus() {
         let mut port = port();
         let told: Vec<String> = (0..40).flat_map(|_| texts(&mut port, &ERROR)).collect();
-        let passive = told.iter().position(|text| text.ends_with("ErrorPassive")).unwrap();
+        let passive = told.iter().position(|text| text.ends_with("error passive")).unwrap();
         let off = told.iter().position(|text| text == "bus off").unwrap();
         // 16 errors make 128, 32 make 256; one line more for the change before.
         assert_eq!((passive, off), (16, 33));
@@ -288,7 +288,7 @@ mod tests {
         let mut port = port();
         (0..16).for_each(|_| _ = texts(&mut port, &ERROR));
         let confirm = [0x20, 0, 0, 0, 12, 0, 0, 0, 0x81, 1, 0, 0];
-        assert_eq!(texts(&mut port, &confirm), ["the CAN controller is ErrorActive"]);
+        assert_eq!(texts(&mut port, &confirm), ["the CAN controller is error active"]);
         assert!(port.show());
         assert_eq!(port.shown()[8], 2);
         assert_eq!(port.shown()[17], 1);

@@ -235,7 +235,7 @@ fn hexadecimal(text: &str) -> Option<u32> {
 #[derive(Clone, Debug)]
 pub struct Script {
     cables: usize,
-    lines: Vec<(Moment, Mishap)>,
+    lines: Vec<(Moment, Mishap, String)>,
 }
 
 impl Script {
@@ -258,18 +258,18 @@ impl Script {
             ["lifted", time, ref what @ ..] => (Moment::Lifted(seconds(time).ok_or_else(refused)?), what),
             _ => (Moment::Now, &words[..]),
         };
-        self.lines.push((moment, mishap(what, self.cables).ok_or_else(refused)?));
+        self.lines.push((moment, mishap(what, self.cables).ok_or_else(refused)?, what.join(" ")));
         Ok(())
     }
 
-    /// Takes out what is due at `now`, the cables having lifted the platform at `lifted`. In the order of the script.
-    pub fn due(&mut self, now: Nanoseconds, lifted: Option<Nanoseconds>) -> Vec<Mishap> {
-        let is_due = |&mut (moment, _): &mut (Moment, Mishap)| match moment {
+    /// Takes out what is due at `now`, the cables having lifted the platform at `lifted`, each with its words. In the order of the script.
+    pub fn due(&mut self, now: Nanoseconds, lifted: Option<Nanoseconds>) -> Vec<(Mishap, String)> {
+        let is_due = |&mut (moment, ..): &mut (Moment, Mishap, String)| match moment {
             Moment::Now => true,
             Moment::At(time) => now >= time,
             Moment::Lifted(time) => lifted.is_some_and(|lifted| now >= lifted + time),
         };
-        self.lines.extract_if(.., is_due).map(|(_, mishap)| mishap).collect()
+        self.lines.extract_if(.., is_due).map(|(_, mishap, words)| (mishap, words)).collect()
     }
 }
 
@@ -410,10 +410,11 @@ mod tests {
         for line in ["# a comment", "at 2.0 lose 5%", "lifted 0.4 cut", "", "mend # at once"] {
             script.add(line).unwrap();
         }
-        assert_eq!(script.due(0, None), [Mishap::Mend]);
+        assert_eq!(script.due(0, None), [(Mishap::Mend, "mend".to_owned())]);
         assert_eq!(script.due(1_999_999_999, None), []);
-        assert_eq!(script.due(2_000_000_000, Some(1_700_000_000)), [Mishap::Lose(0.05)]);
-        assert_eq!(script.due(2_100_000_000, Some(1_700_000_000)), [Mishap::Cut]);
+        let lifted = Some(1_700_000_000);
+        assert_eq!(script.due(2_000_000_000, lifted), [(Mishap::Lose(0.05), "lose 5%".to_owned())]);
+        assert_eq!(script.due(2_100_000_000, lifted), [(Mishap::Cut, "cut".to_owned())]);
         assert_eq!(script.due(9_000_000_000, Some(1_700_000_000)), []);
     }
 }

@@ -125,8 +125,8 @@ fn report(log: &Log, time: u64, event: &Event) {
         | Event::Weighed { .. }
         | Event::NotLifted
         | Event::WatchdogProved => return,
-        Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause:?}")),
-        Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause:?}")),
+        Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause}")),
+        Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause}")),
     };
     if log.is_enabled(category) {
         log.send(Status::Ok, category, &format!("{:.3} s after the start: {text}", time as f64 * 1e-9));

@@ -8,7 +8,7 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
  */
 function chart(box, run, { label, height, range, lines, limits = [], kept = [], last, scrub, ends }) {
   const { time } = run.rows;
-  const own = [time[0], time.at(-1) > time[0] ? time.at(-1) : time[0] + 1];
+  const own = [time[0], run.end > time[0] ? run.end : time[0] + 1];
   const axis = { stroke: () => colour("--soft"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
   const plot = new uPlot({
     width: Math.max(200, box.clientWidth), height, padding: [limits.some((value) => value > range[1]) ? 18 : 8, 26, last ? 0 : 6, 0], cursor: { show: false }, select: { show: false },
@@ -23,8 +23,11 @@ function chart(box, run, { label, height, range, lines, limits = [], kept = [], 
       paths: line.step ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
     }))],
     hooks: {
-      drawClear: [(u) => spans(u, run.disturbedSpans, colour("--soft") + "2e"), (u) => spans(u, run.slackSpans, colour("--slack") + "33")],
-      draw: [(u) => kept.forEach((value) => keptLine(u, value)), (u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines), () => show(row)],
+      drawClear: [
+        (u) => run.stateSpans.forEach(({ state, from, to }) => spans(u, [[from, to]], stateColour(state) + "2e")),
+        (u) => spans(u, run.disturbedSpans, colour("--soft") + "2e"), (u) => spans(u, run.slackSpans, colour("--slack") + "33"),
+      ],
+      draw: [(u) => unmeasured(u, run.unmeasuredSpans), (u) => states(u, run), (u) => kept.forEach((value) => keptLine(u, value)), (u) => limits.forEach((value) => limitLine(u, value)), (u) => names(u, lines), () => show(row)],
     },
   }, [time, ...lines.map((line) => line.values)], box);
   box.classList.add("chart");
@@ -47,7 +50,7 @@ function chart(box, run, { label, height, range, lines, limits = [], kept = [], 
   return { show, redraw: () => plot.setData(plot.data), focus: (i) => plot.setSeries(i === null ? null : i + 1, { focus: i !== null }) };
 }
 
-/** Background where a cable is slack, or the platform is disturbed. */
+/** Background where a cable is slack, the platform is disturbed, or the bridge is in another state than Enabled. */
 function spans(u, times, fill) {
   const { left, top, width, height } = u.bbox;
   u.ctx.save();
@@ -57,6 +60,49 @@ function spans(u, times, fill) {
     u.ctx.fillRect(x0, top, Math.max(2, x1 - x0), height);
   }
   u.ctx.restore();
+}
+
+const stateColour = (state) => colour(state === "Fault" ? "--fault" : state === "Stopping" ? "--low" : "--soft");
+
+/** Names of the states at the top of their bands, where they fit, and lines where something was found wrong. */
+function states(u, { stateSpans, faults }) {
+  const { left, top, width, height } = u.bbox;
+  const place = (t) => Math.min(left + width, Math.max(left, u.valToPos(t, "x", true)));
+  u.ctx.save();
+  u.ctx.font = `600 ${11.5 * devicePixelRatio}px system-ui, sans-serif`;
+  u.ctx.textAlign = "left";
+  u.ctx.textBaseline = "top";
+  for (const { state, from, to } of stateSpans) {
+    const gap = 4 * devicePixelRatio;
+    if (u.ctx.measureText(state).width + 2 * gap > place(to) - place(from)) continue;
+    u.ctx.fillStyle = stateColour(state);
+    u.ctx.fillText(state, place(from) + gap, top + gap);
+  }
+  u.ctx.fillStyle = colour("--fault");
+  for (const at of faults) u.ctx.fillRect(place(at) - devicePixelRatio, top, 2 * devicePixelRatio, height);
+  u.ctx.restore();
+}
+
+/** Hatched, and over the lines: what they would be there, nobody knows. */
+function unmeasured(u, times) {
+  const { left, top, width, height } = u.bbox, gap = 7 * devicePixelRatio;
+  for (const [from, to] of times) {
+    const [x0, x1] = [from, to].map((t) => Math.min(left + width, Math.max(left, u.valToPos(t, "x", true))));
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(x0, top, x1 - x0, height);
+    u.ctx.clip();
+    u.ctx.globalAlpha = 0.75;
+    u.ctx.fillStyle = colour("--card");
+    u.ctx.fillRect(x0, top, x1 - x0, height);
+    u.ctx.globalAlpha = 0.4;
+    u.ctx.strokeStyle = colour("--soft");
+    u.ctx.lineWidth = devicePixelRatio;
+    u.ctx.beginPath();
+    for (let x = x0 - height; x < x1; x += gap) { u.ctx.moveTo(x, top + height); u.ctx.lineTo(x + height, top); }
+    u.ctx.stroke();
+    u.ctx.restore();
+  }
 }
 
 function limitLine(u, value) {

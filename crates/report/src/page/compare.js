@@ -3,7 +3,7 @@
 const runs = JSON.parse(byId("run").textContent);
 const LETTERS = ["a", "b"], COLOURS = ["--c1", "--c5"];
 const start = Math.min(...runs.map((run) => run.rows.time[0]));
-const ends = runs.map((run) => run.rows.time.at(-1));
+const ends = runs.map((run) => run.end);
 let end = Math.max(...ends);
 const { seek, moved, until } = transport(start, end, show);
 const axis = { last: true, scrub: seek, ends: () => [start, end > start ? end : start + 1] };
@@ -18,7 +18,7 @@ const tensions = runs.map((run, i) => chart(byId(`tension-chart-${LETTERS[i]}`),
 // ---- both over one another
 
 const times = [...new Set(runs.flatMap((run) => run.rows.time))].sort((a, b) => a - b);
-const both = { rows: { time: times }, disturbedSpans: [], slackSpans: runs.flatMap((run) => run.slackSpans) };
+const both = { rows: { time: times }, disturbedSpans: [], stateSpans: [], unmeasuredSpans: [], faults: [], end, slackSpans: runs.flatMap((run) => run.slackSpans) };
 
 /** A column of a run at all times of both: `step`s stay until the next, others go straight; nothing before the run and after it. */
 function joined({ rows: { time } }, column, step) {

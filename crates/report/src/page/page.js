@@ -5,7 +5,7 @@ const { rows } = run;
 const CABLES = run.anchors.map((_, i) => i);
 const radians = (angles) => angles.map((angle) => (Math.abs(angle) < 5e-5 ? 0 : angle).toFixed(4)).join(", ");
 
-const [start, end] = [rows.time[0], rows.time.at(-1)];
+const [start, end] = [rows.time[0], run.end];
 const { seek, mark, moved } = transport(start, end, (time) => show(rowAt(rows.time, time)));
 
 // ---- panels
@@ -165,6 +165,8 @@ function show(to) {
 for (const { row: at } of run.manySetPoints ? [] : run.setPoints.slice(1)) mark("step", rows.time[at], rows.time[at]);
 for (const [from, to] of run.disturbedSpans) mark("disturbed-span", from, to);
 for (const [from, to] of run.slackSpans) mark("slack-span", from, to);
+for (const { from, to } of run.stateSpans) mark("state-span", from, to);
+for (const at of run.faults) mark("fault", at, at);
 
 // Paper is white, whatever the screen is.
 for (const query of ["(prefers-color-scheme: dark)", "print"]) {

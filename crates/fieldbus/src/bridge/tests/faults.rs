@@ -283,6 +283,42 @@ fn a_late_cycle_is_a_fault_and_a_slightly_late_one_is_not() {
     assert_eq!((report.state, report.fault), (State::Stopping, Some(Fault::Overrun { gap: 6 * period })));
 }
 
+/// The drives' heartbeat consumers answer a bridge that stood still: 0x8130 was said to be the cause.
+#[test]
+fn the_first_fault_of_a_suspended_bridge_is_its_late_cycle() {
+    let mut bench = moving(bench(), 0.4);
+    let gap = 500_000_000;
+    bench.inject(0, Emergency { node: 3, code: 0x8130, register: 0x11, maker: [0; 5] }.frame());
+    let report = bench.cycle_at(bench.now + gap);
+    assert_eq!((report.state, report.fault), (State::Stopping, Some(Fault::Overrun { gap })));
+    let follows = |event: &Event| matches!(event, Event::Fault(Fault::Emergency(e)) if e.code == 0x8130);
+    assert!(bench.events.iter().any(|(_, event)| follows(event)), "what follows from it is said as well");
+}
+
+#[test]
+fn an_emergency_that_the_fieldbus_file_ignores_is_logged_and_ends_nothing() {
+    let named = format!("{AKD}\n[[ignored_emergencies]]\ncode = 0x8140\nnode = 3\nregister = 0x01\n");
+    let mut bench = moving(with_noise(parse(&named).unwrap()), 0.4);
+    let emergency = |node| Emergency { node, code: 0x8140, register: 0x11, maker: [0; 5] };
+    bench.inject(0, emergency(3).frame());
+    bench.run(0.1);
+    assert_eq!(bench.bridge.state(), State::Enabled);
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::Emergency(emergency(3))));
+    bench.inject(0, emergency(4).frame());
+    assert_eq!(bench.cycle().fault, Some(Fault::Emergency(emergency(4))));
+}
+
+/// CiA 402 has no word for it: the drive leaves for Switch on disabled without a fault.
+#[test]
+fn safe_torque_off_is_named_where_a_drive_leaves_without_a_fault() {
+    let state = DriveState::SwitchOnDisabled;
+    for fault in [Fault::DriveLeft { node: 3, state }, Fault::DriveStuck { node: 3, state }] {
+        assert!(fault.to_string().contains("safe torque off (STO"), "{fault}");
+    }
+    let fault = Fault::DriveStuck { node: 3, state: DriveState::Fault };
+    assert_eq!(fault.to_string(), "drive 3 stays in \"Fault\"");
+}
+
 #[test]
 fn a_clock_that_goes_back_is_a_fault_and_the_way_to_the_safe_output_goes_on() {
     let mut bench = moving(bench(), 0.4);

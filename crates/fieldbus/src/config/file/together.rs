@@ -133,8 +133,18 @@ fn objects_are_not_our_own(check: &Checked, file: &File, config: &Config) -> Res
 }
 
 fn objects_are_of_known_nodes(check: &Checked, file: &File, config: &Config) -> Result<(), Refused> {
-    let drives = config.drives.iter().map(|drive| drive.node).collect();
-    let cells = config.load_cells.iter().map(|cell| cell.node).collect();
+    let drives: Vec<_> = config.drives.iter().map(|drive| drive.node).collect();
+    let cells: Vec<_> = config.load_cells.iter().map(|cell| cell.node).collect();
+    let all: Vec<Node> = [&drives, &cells].into_iter().flatten().copied().collect();
+    for (k, entry) in file.ignored_emergencies.iter().enumerate() {
+        if let Some(named) =
+            entry.node.as_ref().filter(|named| !all.iter().any(|node| u32::from(*node) == *named.get_ref()))
+        {
+            let field = format!("ignored_emergencies[{}].node", k + 1);
+            let allowed = "must be of one of the nodes, or be left out for all of them";
+            return Err(check.refuse(named.span().start, &field, named.get_ref(), allowed));
+        }
+    }
     let tables: [(_, Vec<Node>, _); 2] =
         [(&file.drive_objects, drives, "drive"), (&file.load_cell_objects, cells, "load cell")];
     for (entries, nodes, kind) in tables {
