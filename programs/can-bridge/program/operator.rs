@@ -344,7 +344,7 @@ mod tests {
         assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([None; 2]));
         assert_eq!(keyboard.typed().unwrap(), "goal x y z (m), Enter: 0.15 -0.2_");
         assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, None]));
-        assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a goal is x y z"));
+        assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a pose is x y z"));
         assert_eq!(typed(&mut keyboard, "g\n"), Ok([None; 2]));
         assert_eq!((keyboard.held, keyboard.typed()), (enable, None));
     }
