@@ -142,15 +142,15 @@ impl Keyboard {
         self.held.unwrap_or(OperatorCommand::Release)
     }
 
-    /// The commands that a key gives.
+    /// The commands that a key gives; while a goal is typed each key gives again what is held, which would run out otherwise.
     ///
     /// # Errors
     /// What would be right in place of a goal that is none.
     fn press(&mut self, key: u8) -> Result<[Option<OperatorCommand>; 2], String> {
         if let Some(typed) = self.goal.take() {
             match key {
-                b'\n' | b'\r' if typed.is_empty() => return Ok([None; 2]),
-                b'\n' | b'\r' => return command(&format!("goal {typed}")).map(|goal| [goal, None]),
+                b'\n' | b'\r' if typed.is_empty() => return Ok([self.held, None]),
+                b'\n' | b'\r' => return command(&format!("goal {typed}")).map(|goal| [goal, self.held]),
                 _ => self.goal = after(typed, key),
             }
             self.held = self.held.filter(|_| self.goal.is_some());
@@ -160,7 +160,7 @@ impl Keyboard {
             self.held = held_after(self.held, key);
         }
         if self.goal.is_some() {
-            return Ok([None; 2]);
+            return Ok([self.held, None]);
         }
         let also = match key {
             b'l' => Some(OperatorCommand::Lower),
@@ -341,11 +341,12 @@ mod tests {
         let enable = Some(OperatorCommand::Enable);
         _ = keyboard.press(b'e');
         let goal = Some(OperatorCommand::Goal(Pose::at(0.15, -0.1, 1.0)));
-        assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([None; 2]));
+        // Enable ran out while somebody typed.
+        assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([enable, None]));
         assert_eq!(keyboard.typed().unwrap(), "goal x y z (m), Enter: 0.15 -0.2_");
-        assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, None]));
+        assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, enable]));
         assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a pose is x y z"));
-        assert_eq!(typed(&mut keyboard, "g\n"), Ok([None; 2]));
+        assert_eq!(typed(&mut keyboard, "g\n"), Ok([enable, None]));
         assert_eq!((keyboard.held, keyboard.typed()), (enable, None));
     }
 
