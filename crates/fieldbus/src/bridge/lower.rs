@@ -176,8 +176,8 @@ impl Bridge {
         };
         let is_loose = (0..self.cables()).all(|i| self.commanded[i] <= loose(i));
         // What is shorter than at home lies on something, and is known to when nothing pulls any more.
-        // A platform that hangs askew, since a drive pulls no more, has other lengths where it comes down.
-        let is_askew = self.drives.iter().any(|drive| drive.has_left);
+        // A platform that hangs askew, since a drive does not pull what it is told, has other lengths where it comes down.
+        let is_askew = self.reported_faults.iter().any(|fault| fault.is_of_drive());
         let is_off =
             |i: &usize| !is_askew && self.is_sound(*i) && (off(*i) > most || is_loose && off(*i) < -most);
         if let Some(i) = (0..self.cables()).find(is_off) {
