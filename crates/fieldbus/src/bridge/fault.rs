@@ -365,6 +365,23 @@ impl Fault {
         std::mem::discriminant(self) == std::mem::discriminant(other) && self.place() == other.place()
     }
 
+    /// Whether a drive may not pull what it is told.
+    pub(super) fn is_of_drive(&self) -> bool {
+        use Fault::*;
+        matches!(
+            self,
+            DriveFault { .. }
+                | DriveLeft { .. }
+                | DriveDisobeys { .. }
+                | ModeLeft { .. }
+                | TorqueNotFollowed { .. }
+                | Emergency(_)
+                | Rebooted { .. }
+                | HeartbeatLost { .. }
+                | NotOperational { .. }
+        )
+    }
+
     /// Cable, node or bus, if it has one.
     fn place(&self) -> usize {
         use Fault::*;

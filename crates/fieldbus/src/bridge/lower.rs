@@ -170,10 +170,14 @@ impl Bridge {
         }
         let most = self.config.slack.most;
         let off = |i: usize| self.drives[i].encoder.length - self.home_length[i];
-        let is_loose = (0..self.cables()).all(|i| self.commanded[i] <= self.config.slack.pretension);
+        let loose = |i: usize| {
+            let winch = &self.config.drives[i].winch;
+            winch.tension(winch.target_torque(self.config.slack.pretension))
+        };
+        let is_loose = (0..self.cables()).all(|i| self.commanded[i] <= loose(i));
         // What is shorter than at home lies on something, and is known to when nothing pulls any more.
-        // A platform that hangs askew, since a drive pulls no more, has other lengths where it comes down.
-        let is_askew = self.drives.iter().any(|drive| drive.has_left);
+        // A platform that hangs askew, since a drive does not pull what it is told, has other lengths where it comes down.
+        let is_askew = self.reported_faults.iter().any(|fault| fault.is_of_drive());
         let is_off =
             |i: &usize| !is_askew && self.is_sound(*i) && (off(*i) > most || is_loose && off(*i) < -most);
         if let Some(i) = (0..self.cables()).find(is_off) {
@@ -214,7 +218,7 @@ impl Bridge {
             SafeOutput::GravityRamp | SafeOutput::TorqueOff => self.gravity_hold(&self.pose),
         };
         let rate = PerCable::filled(self.cables(), 0.0);
-        Held { pose: self.pose, tension, length: self.lengths(), rate }
+        Held { pose: self.pose, tension, least: 0.0, length: self.lengths(), rate }
     }
 
     /// What carries the platform at rest at a pose, N, as far as cables can.
@@ -240,7 +244,9 @@ impl Bridge {
         // A winch that knows no length is no spring: it gives as much as if its cable stood still.
         let given = |i: usize| if self.is_sound(i) { 0.0 } else { self.config.safe.stiffness * paid_out };
         let tension = PerCable::from_fn(self.cables(), |i| (carried[i] - given(i)).max(0.0));
-        Held { pose, tension, length, rate }
+        // On its stand no cable gets slack.
+        let least = if paid_out > 0.0 { self.config.slack.pretension } else { 0.0 };
+        Held { pose, tension, least, length, rate }
     }
 
     /// Whether the output is on its way from one law to another.

@@ -114,6 +114,8 @@ struct Held {
     pose: Pose,
     /// N.
     tension: PerCable<f64>,
+    /// What each pulls at least, N.
+    least: f64,
     /// m.
     length: PerCable<f64>,
     /// By how much that changes, m/s.

@@ -56,7 +56,7 @@ impl Bridge {
             let resistance =
                 safe.stiffness * (length - held.length[i]) + safe.damping * (rate - held.rate[i]);
             let resistance = if self.is_sound(i) { resistance } else { 0.0 };
-            (held.tension[i] + resistance).clamp(0.0, self.config.rig.cables[i].limits.max)
+            (held.tension[i] + resistance).clamp(held.least, self.config.rig.cables[i].limits.max)
         })
     }
 

@@ -46,7 +46,7 @@ fn hanging(mut bench: Bench) -> Bench {
 struct Descent {
     /// s, until it stood, or the end of the watch.
     time: f64,
-    /// m/s and rad while it hung, and N in the cables.
+    /// m/s and rad while it hung, and N in the cables until the motors are off.
     speed: f64,
     tilt: f64,
     least: f64,
@@ -69,12 +69,14 @@ fn watch(bench: &mut Bench, end: State, seconds: f64) -> Descent {
             descent.landing = Some(descent.landing.unwrap_or(0.0).max(last));
         }
         last = if has_landed { 0.0 } else { speed };
+        if !matches!(bench.bridge.state(), State::Homing | State::Configuring | State::Fault | State::Off) {
+            descent.least =
+                descent.least.min(plant.measured_tension.iter().copied().fold(f64::INFINITY, f64::min));
+        }
         match bench.rig.support() {
             Support::Cables => {
                 descent.speed = descent.speed.max(speed);
                 descent.tilt = descent.tilt.max(plant.encoder_pose.angles().amax());
-                descent.least =
-                    descent.least.min(plant.measured_tension.iter().copied().fold(f64::INFINITY, f64::min));
                 descent.time = (bench.now - begun) as f64 * 1e-9;
             }
             Support::Stand | Support::Floor => {}
