@@ -3,7 +3,7 @@
 use cable_robot::sim::PlantParameters;
 use cable_robot_fieldbus::bridge::{Cause, Event, Fault};
 use cable_robot_fieldbus::cia402::{DriveState, MAX_TORQUE};
-use cable_robot_fieldbus::simulated::{Bench, Support};
+use cable_robot_fieldbus::simulated::{Bench, SimulatedDrive, Support};
 use cable_robot_fieldbus::{Config, Files, Nanoseconds, OperatorCommand, State};
 
 use crate::failures::{FAILURES, Failure};
@@ -287,7 +287,10 @@ fn finish(
 /// Until the bridge is off: where the platform is then, and how fast it came there. With all drives at work that is its stand.
 fn come_down(bench: &mut Bench) -> Result<String, String> {
     let begun = bench.now;
-    let is_whole = bench.rig.drives.iter().all(|drive| drive.state() == DriveState::OperationEnabled);
+    // One that has left its mode is enabled, and pulls nothing.
+    let pulls =
+        |drive: &SimulatedDrive| drive.state() == DriveState::OperationEnabled && drive.tension() > 0.0;
+    let is_whole = bench.rig.drives.iter().all(pulls);
     let mut landing = 0.0;
     while bench.bridge.state() != State::Off && bench.now - begun < DOWN {
         bench.cycle();
