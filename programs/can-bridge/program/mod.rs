@@ -106,6 +106,7 @@ struct Arguments {
 
 /// What the bridge is run for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one of it")]
 enum Purpose {
     /// With these drives, if they were commissioned.
     Run(Option<PerCable<Identity>>),

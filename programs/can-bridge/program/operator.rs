@@ -332,7 +332,9 @@ mod tests {
 
     /// What the last of the keys gives.
     fn typed(keyboard: &mut Keyboard, keys: &str) -> Result<[Option<OperatorCommand>; 2], String> {
-        keys.bytes().fold(Ok([None; 2]), |_, key| keyboard.press(key))
+        let mut last = Ok([None; 2]);
+        keys.bytes().for_each(|key| last = keyboard.press(key));
+        last
     }
 
     #[test]

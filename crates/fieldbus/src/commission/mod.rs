@@ -26,5 +26,5 @@ pub use world::World;
 /// Something is blamed from so many standard deviations on. Some eighty things are looked for; chance brings one of them there once in two hundred
 /// surveys.
 const ALARM: f64 = 4.0;
-/// What shows by so many is blamed, but for one time in 740: three standard deviations more than [`ALARM`].
+/// What shows by so many is blamed, but for one time in 740: three standard deviations more than what is blamed.
 pub const NEEDED: f64 = ALARM + 3.0;

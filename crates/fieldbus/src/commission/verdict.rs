@@ -41,7 +41,7 @@ impl Explanation {
 /// Explanations that the lengths do not tell apart, the best first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// Those whose misfit is less than the square of [`ALARM`] above the least.
+    /// Those whose misfit is less than four standard deviations above the least.
     pub explanations: Vec<Explanation>,
     /// Whether the best one leaves no more than placing and reading do: if not, more is wrong, or the platform was placed worse than was said.
     pub is_explained: bool,
@@ -134,7 +134,7 @@ impl Search<'_> {
             let (quantities, square) = fit(&base, &quantities, self.placements, &survey)?;
             let gain = from.square - square;
             let explanation = Explanation { mistake: *mistake, quantities };
-            (gain > ALARM * ALARM).then(|| Candidate { explanation, misfit: from.misfit - gain, square })
+            (gain > ALARM * ALARM).then_some(Candidate { explanation, misfit: from.misfit - gain, square })
         };
         let others =
             Quantity::all(self.file.scale.len()).into_iter().filter(|quantity| !known.contains(quantity));

@@ -225,20 +225,20 @@ impl SimulatedRig {
     }
 
     fn touches_stand(&self) -> bool {
-        let (way, down) = (self.from_home(), self.config.rig.gravity.normalize());
+        let (way, down) = (self.way_from_home(), self.config.rig.gravity.normalize());
         let aside = (way - down * way.dot(&down)).norm();
         let is_there = aside < STAND * self.shortest_at_home()
             && self.fallen() > STAND_GIVES_WAY * self.shortest_at_home();
         is_there && self.plant.outputs().velocity.dot(&down) > 0.0
     }
 
-    fn from_home(&self) -> Vector3<f64> {
+    fn way_from_home(&self) -> Vector3<f64> {
         self.plant.outputs().encoder_pose.position() - self.config.home.position()
     }
 
     /// How far the platform is below the home pose, m.
     fn fallen(&self) -> f64 {
-        self.from_home().dot(&self.config.rig.gravity.normalize())
+        self.way_from_home().dot(&self.config.rig.gravity.normalize())
     }
 
     /// At rest where it was put, whatever the motors pull, until they carry the weight.
