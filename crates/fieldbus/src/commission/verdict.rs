@@ -41,7 +41,7 @@ impl Explanation {
 /// Explanations that the lengths do not tell apart, the best first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// Those whose misfit is less than four standard deviations above the least.
+    /// Those no more than four standard deviations behind the best.
     pub explanations: Vec<Explanation>,
     /// Whether the best one leaves no more than placing and reading do: if not, more is wrong, or the platform was placed worse than was said.
     pub is_explained: bool,
