@@ -141,11 +141,13 @@ fn tests_passed(line: &str) -> usize {
 }
 
 /// The tests of the C functions in a machine that watches memory: nothing is read that was not written, nothing is lost.
+/// Of the floating-point environment this machine keeps the rounding only: what asks for traps and flushing to zero is left out.
 fn under_valgrind(root: &Path) -> Result<Outcome> {
     const RUNNER: &str = "CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER=valgrind --quiet --error-exitcode=9 \
                           --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
     let test = ["cargo", "test", "--package", "cable-robot-programs", "--test", "fmi_boundary"];
-    run(root, "env", &[&[RUNNER], &test[..]].concat())
+    let left_out = ["--", "--skip", "environment::a_host_that_traps"];
+    run(root, "env", &[&[RUNNER], &test[..], &left_out].concat())
 }
 
 /// The same tests with AddressSanitizer in the code: nothing beyond what was allocated is read or written, nothing is used after it was freed. A stable compiler ships

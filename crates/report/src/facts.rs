@@ -76,7 +76,16 @@ pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> 
                 (_, [force, torque]) => format!("up to {force:.3} N and {torque:.3} N m"),
             },
         ),
-        ("Time", format!("{start} to {end} s in steps of {} s, {} rows", info.step, digest.rows)),
+        (
+            "Time",
+            format!(
+                "{} to {} s in steps of {} s, {} rows",
+                microseconds(start),
+                microseconds(end),
+                info.step,
+                digest.rows
+            ),
+        ),
         ("Written by", format!("cable-robot {}", info.program_version)),
     ];
     if let Some(scenario) = &info.scenario {
@@ -99,6 +108,11 @@ pub fn facts(digest: &Digest, history: &History) -> Vec<(&'static str, String)> 
 }
 
 /// Table I, or mass and number of cables.
+/// A time in s without what binary fractions add to it.
+fn microseconds(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
+}
+
 fn robot(history: &History) -> String {
     let rig = &history.info.plant_parameters.rig;
     match &history.paper {

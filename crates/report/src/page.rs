@@ -219,7 +219,10 @@ fn verdict(history: &History, digest: &Digest) -> String {
     list += &item(false, "set points", &steps);
     if let Some(status) = history.last_status() {
         let is_bad = status == Status::GoalUnreachable || status.lacks_pose();
-        list += &item(is_bad, "status at the end", &status_name(status));
+        // What comes after the fault may have no rows.
+        let is_faulted = digest.events.iter().any(|event| event.kind == Kind::Fault);
+        let name = if is_faulted { "last status measured" } else { "status at the end" };
+        list += &item(is_bad, name, &status_name(status));
     }
     list
 }
