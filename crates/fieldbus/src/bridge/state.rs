@@ -30,7 +30,8 @@ pub enum State {
     Safe,
     /// The safe output, after a fault.
     Fault,
-    /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on its stand.
+    /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on
+    /// its stand; or it is lifted a little and weighed.
     Trying,
     /// The platform is let down to its stand.
     Lowering,
@@ -68,7 +69,6 @@ pub enum OperatorCommand {
     Zero,
     /// Whether the drives stop by themselves when the bridge is silent; in Homing, in a survey.
     TryWatchdog,
-    /// From Homing to Ready, Safe or Fault: set everything up again, and reset the drives' faults. The drives lose their torque.
     /// No longer, and let the platform down at once if it hangs.
     Lower,
     /// Let the platform down if it hangs, then set everything up again, and reset the drives' faults. The drives lose their torque.

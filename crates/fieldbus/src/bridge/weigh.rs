@@ -64,14 +64,13 @@ impl Bridge {
     /// With this share of the weight carried, N: what carries it at home, and springs around where it is led.
     pub(super) fn weighing_pull(&self, share: f64) -> PerCable<f64> {
         let rig = &self.config.rig;
-        let carried = cable_robot::control::static_tensions(rig, &self.config.home, 0.0);
-        let slack = PerCable::filled(self.cables(), self.config.slack.pretension);
+        let (slack, carried) = (self.config.slack.pretension, self.gravity_hold(&self.config.home));
         let led = blend(&self.home_length, &rig.cables_at(&self.raised()).length, share.min(1.0));
-        let (safe, carried) = (&self.config.safe, carried.unwrap_or(slack));
+        let safe = &self.config.safe;
         PerCable::from_fn(self.cables(), |i| {
             let (length, rate) = self.drives[i].encoder.last_measured();
             let spring = share.min(1.0) * (safe.stiffness * (length - led[i]) + safe.damping * rate);
-            let weight = slack[i] + share * (carried[i].max(0.0) - slack[i]);
+            let weight = slack + share * (carried[i] - slack);
             (weight + spring).clamp(0.0, rig.cables[i].limits.max)
         })
     }

@@ -36,7 +36,7 @@ impl Doubt {
         match self {
             Self::Mistake(mistake) => mistake.truth(file).deviation(file, pose),
             Self::Quantity(quantity, amount) => {
-                let change = quantity.change(file, 0.0, pose);
+                let change = World::slope(|amount| quantity.truth(file, amount), pose);
                 PerCable::from_fn(change.len(), |i| amount * change[i])
             }
         }

@@ -71,17 +71,12 @@ fn change(
     placements: &[Placement],
     survey: &Survey,
 ) -> Deviation {
-    // A central difference: what it leaves out is of the order of its square.
-    const STEP: f64 = 1e-5;
-    let [more, less] = [STEP, -STEP].map(|step| {
+    let world = |step| {
         let mut amounts = amounts.clone();
         amounts[which] += step;
         truth(base, quantities, &amounts)
-    });
-    let of_pose = |pose: &Pose| {
-        let (more, less) = (more.lengthening(pose), less.lengthening(pose));
-        PerCable::from_fn(more.len(), |i| (more[i] - less[i]) / (2.0 * STEP))
     };
+    let of_pose = |pose: &Pose| World::slope(world, pose);
     survey.deviation(&placements.iter().map(|placement| of_pose(&placement.pose)).collect::<Vec<_>>())
 }
 

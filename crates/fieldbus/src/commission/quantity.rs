@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use cable_robot::robot::{PerCable, Pose};
+use cable_robot::robot::Pose;
 use nalgebra::{Rotation3, Vector3};
 
 use super::World;
@@ -63,14 +63,6 @@ impl Quantity {
             Self::Attachment(cable, axis) => truth.rig.cables[cable].attachment[axis] += amount,
         }
         truth
-    }
-
-    /// By how much more the bridge reads each cable at a pose for each unit of the quantity, where it is more than `file` says by `amount`.
-    pub fn change(self, file: &World, amount: f64, pose: &Pose) -> PerCable<f64> {
-        // A central difference: what it leaves out is of the order of its square.
-        const STEP: f64 = 1e-5;
-        let [more, less] = [STEP, -STEP].map(|step| self.truth(file, amount + step).lengthening(pose));
-        PerCable::from_fn(more.len(), |i| (more[i] - less[i]) / (2.0 * STEP))
     }
 
     /// What its amounts are to be compared with: the rig's radius (m), a radian, or the whole.

@@ -38,6 +38,14 @@ impl World {
         })
     }
 
+    /// By how much more the bridge reads each cable at a pose for each unit of what makes a world another one.
+    pub(super) fn slope(of: impl Fn(f64) -> Self, pose: &Pose) -> PerCable<f64> {
+        // A central difference: what it leaves out is of the order of its square.
+        const STEP: f64 = 1e-5;
+        let [more, less] = [STEP, -STEP].map(|step| of(step).lengthening(pose));
+        PerCable::from_fn(more.len(), |i| (more[i] - less[i]) / (2.0 * STEP))
+    }
+
     /// How much longer the bridge reads each cable at `pose` than it would if `file` were the truth, m.
     pub fn deviation(&self, file: &Self, pose: &Pose) -> PerCable<f64> {
         let (read, expected) = (self.lengthening(pose), file.lengthening(pose));

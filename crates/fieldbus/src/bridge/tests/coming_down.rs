@@ -25,13 +25,7 @@ fn as_believed() -> Bench {
 
 /// Hangs at rest aside of its stand and above it. The planner of minimum time goes upwards, too.
 fn hanging(mut bench: Bench) -> Bench {
-    let limits = TensionLimits { min: 0.5, max: 60.0 };
-    let of_planner = ControllerParameters {
-        planner: PlannerKind::MinimumTime,
-        rig: bench.bridge.config().rig.with_limits(limits),
-        ..bench.parameters()
-    };
-    bench.controller = Box::new(LibraryController::new(bench.bridge.config().of_drives(of_planner)));
+    plan_in_minimum_time(&mut bench);
     assert!(bench.start(), "{:?}", bench.events);
     bench.run(1.0);
     bench.go_to(0.1, -0.05, 0.9);

@@ -66,6 +66,17 @@ fn the_papers_move_is_made_with_all_tensions_positive() {
     assert!(least > 0.3, "{least}");
 }
 
+/// Half a newton is left for what the planner does not know.
+fn plan_in_minimum_time(bench: &mut Bench) {
+    let limits = TensionLimits { min: 0.5, max: 60.0 };
+    let of_planner = ControllerParameters {
+        planner: PlannerKind::MinimumTime,
+        rig: bench.bridge.config().rig.with_limits(limits),
+        ..bench.parameters()
+    };
+    bench.controller = Box::new(LibraryController::new(bench.bridge.config().of_drives(of_planner)));
+}
+
 /// The fastest motion, on drives that lag, with friction and load cells that make noise: half a newton is left for those. Then goals that change on the way.
 #[test]
 fn the_papers_move_is_made_in_minimum_time_too() {
@@ -76,13 +87,7 @@ fn the_papers_move_is_made_in_minimum_time_too() {
         ..PlantParameters::default()
     };
     let mut bench = Bench::new(config(), imperfections).unwrap();
-    let limits = TensionLimits { min: 0.5, max: 60.0 };
-    let of_planner = ControllerParameters {
-        planner: PlannerKind::MinimumTime,
-        rig: bench.bridge.config().rig.with_limits(limits),
-        ..bench.parameters()
-    };
-    bench.controller = Box::new(LibraryController::new(bench.bridge.config().of_drives(of_planner)));
+    plan_in_minimum_time(&mut bench);
     let mut bench = moving(bench, 0.0);
     let away =
         |report: &CycleReport| (report.pose.position() - nalgebra::Vector3::new(0.15, 0.15, 1.0)).norm();
