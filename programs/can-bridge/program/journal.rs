@@ -184,7 +184,7 @@ fn event_text(event: &Event) -> String {
         Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
         Event::Pulled { cable, tension, came_in } => survey::pulled_text(*cable, *tension, came_in),
         Event::Placed(pose, _) => format!("measured at {}", survey::at(pose)),
-        Event::Weighed { mass, rise, tilt } => format!(
+        Event::Weighed { mass, rise, tilt, .. } => format!(
             "the load cells carry {mass:.3} kg, {:.1} mm above the stand, turned by {tilt:.4} rad",
             1e3 * rise
         ),

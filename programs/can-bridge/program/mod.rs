@@ -1,5 +1,6 @@
 //! Arguments, exit codes, and which of its tasks the program does.
 
+mod calibration;
 mod check;
 mod commissioned;
 mod controller;

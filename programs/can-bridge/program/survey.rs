@@ -6,9 +6,12 @@ use std::sync::Mutex;
 use anyhow::Result;
 use cable_robot::robot::{PerCable, Pose};
 use cable_robot_fieldbus::bridge::{Event, Identity};
-use cable_robot_fieldbus::commission::{Accuracy, NEEDED, Placement, Plan, Quantity, Verdict, World};
+use cable_robot_fieldbus::commission::{
+    Accuracy, Gains, NEEDED, Placement, Plan, Quantity, Verdict, Weighing, World,
+};
 use cable_robot_fieldbus::{Config, State};
 
+use super::calibration::{self, Calibration, Numbers};
 use super::commissioned::{self, Record, Step};
 use super::terminal::say;
 
@@ -27,7 +30,7 @@ pub struct Survey {
     most_at_rest: f64,
     /// By how much load cells that were zeroed may be off together, kg.
     mass_accuracy: f64,
-    measured: Mutex<Vec<Placement>>,
+    numbers: Mutex<Numbers>,
     /// Steps that were passed, and the pull that waits for what a person saw.
     passed: Mutex<Vec<Step>>,
     pulled: Mutex<Option<usize>>,
@@ -51,7 +54,7 @@ impl Survey {
             accuracy,
             most_at_rest: config.limits.disagreement,
             mass_accuracy: SHARE_AT_REST * config.limits.disagreement * lift / config.rig.gravity.norm(),
-            measured: Mutex::new(vec![]),
+            numbers: Mutex::default(),
             passed: Mutex::new(vec![]),
             pulled: Mutex::new(None),
         }
@@ -63,13 +66,20 @@ impl Survey {
             Event::Entered(State::Homing) => Some(self.open_steps()),
             Event::Entered(State::Ready) => Some(self.next()),
             Event::Placed(pose, lengthening) => Some(self.take(*pose, *lengthening)),
-            Event::Zeroed(reading) => Some(self.advice(reading)),
+            Event::Zeroed(reading) => {
+                self.measured(|numbers| numbers.zero = Some(*reading));
+                Some(self.advice(reading))
+            }
             Event::WatchdogProved => {
                 self.pass(Step::Watchdog);
                 None
             }
-            Event::Weighed { mass, .. } => Some(self.judge_mass(*mass)),
-            Event::Pulled { cable, came_in, .. } => {
+            Event::Weighed { mass, pose, reading, .. } => {
+                self.measured(|numbers| numbers.weighings.push(Weighing { pose: *pose, reading: *reading }));
+                Some(self.judge_weight(*mass))
+            }
+            Event::Pulled { cable, came_in, tension } => {
+                self.measured(|numbers| _ = numbers.pulls.insert(*cable, (*tension, *came_in)));
                 let is_right = farthest(came_in) == (*cable, true);
                 *self.pulled.lock().ok()? = is_right.then_some(*cable);
                 is_right.then(|| format!("yes (key y) if you saw cable {} come in, and no other", cable + 1))
@@ -78,17 +88,46 @@ impl Survey {
         }
     }
 
-    fn judge_mass(&self, mass: f64) -> String {
-        let (believed, most) = (self.file.rig.mass, self.mass_accuracy);
-        if (mass - believed).abs() <= most {
-            self.pass(Step::Weigh);
-            return format!(
-                "the rig file says {believed} kg: right within the {most:.2} kg that load cells may be off by"
-            );
+    fn measured(&self, note: impl FnOnce(&mut Numbers)) {
+        if let Ok(mut numbers) = self.numbers.lock() {
+            note(&mut numbers);
         }
-        format!(
-            "THE RIG FILE SAYS {believed} kg, and load cells are off by {most:.2} kg at most: correct platform.mass, or the cells' scale"
-        )
+    }
+
+    fn numbers(&self) -> Numbers {
+        self.numbers.lock().map_or_else(|_| Numbers::default(), |numbers| numbers.clone())
+    }
+
+    /// Mass and load cells agree, or one of them is wrong.
+    fn judge_weight(&self, mass: f64) -> String {
+        let (believed, most) = (self.file.rig.mass, self.mass_accuracy);
+        let is_right = (mass - believed).abs() <= most;
+        let mut text = if is_right {
+            format!(
+                "the rig file says {believed} kg: right within the {most:.2} kg that load cells may be off by"
+            )
+        } else {
+            format!(
+                "THE RIG FILE SAYS {believed} kg, and load cells are off by {most:.2} kg at most: correct platform.mass, or the cells' scale"
+            )
+        };
+        let Some(gains) = self.gains() else { return text };
+        let wrong: Vec<_> = (0..gains.gain.len()).filter(|i| gains.is_blamed(*i)).map(|i| i + 1).collect();
+        if is_right && wrong.is_empty() {
+            self.pass(Step::Weigh);
+        }
+        text += &format!("; {}", calibration::gains_text(&gains));
+        if is_right && !wrong.is_empty() {
+            text += &format!("; THE LOAD CELLS OF CABLES {wrong:?} ARE WRONG: correct their scale");
+        }
+        text
+    }
+
+    /// What load cells say for a newton, from what was weighed.
+    fn gains(&self) -> Option<Gains> {
+        // Anything up to what zeroed cells may say of nothing.
+        let noise = SHARE_AT_REST * self.most_at_rest / 3f64.sqrt();
+        Gains::new(&self.file.rig, &self.numbers().weighings, noise)
     }
 
     /// A person saw what the last pull was to show.
@@ -123,6 +162,7 @@ impl Survey {
         if is_good {
             self.pass(Step::Poses);
         }
+        self.calibrate(fieldbus, config)?;
         let (mut record, passed) = (Record::read(fieldbus)?, self.passed());
         if !passed.is_empty() {
             record.note(&passed, config, drives);
@@ -134,6 +174,20 @@ impl Survey {
             say(format_args!("can-bridge: still to be commissioned: {}", missing.join(", ")));
         }
         Ok(missing.is_empty())
+    }
+
+    /// Keeps the numbers that were measured, and offers what they tell.
+    fn calibrate(&self, fieldbus: &Path, config: &Config) -> Result<()> {
+        let numbers = self.numbers();
+        let offer = calibration::offer(config, &numbers.placements, &self.accuracy);
+        if !offer.is_empty() {
+            say(offer);
+        }
+        let mut file = Calibration::read(fieldbus)?;
+        file.note(&numbers, config, &self.accuracy, self.gains().as_ref());
+        file.write(fieldbus)?;
+        say(format_args!("can-bridge: {} written", calibration::path(fieldbus).display()));
+        Ok(())
     }
 
     /// What to do about what load cells say of slack cables.
@@ -153,15 +207,12 @@ impl Survey {
 
     /// The pose that is asked for next.
     pub fn asked(&self) -> Option<Pose> {
-        let measured = self.measured.lock().map_or(0, |measured| measured.len());
-        self.plan.poses.get(measured).copied()
+        self.plan.poses.get(self.numbers().placements.len()).copied()
     }
 
     /// Takes in what was measured, and says what comes next.
     fn take(&self, pose: Pose, lengthening: PerCable<f64>) -> String {
-        if let Ok(mut measured) = self.measured.lock() {
-            measured.push(Placement { pose, lengthening });
-        }
+        self.measured(|numbers| numbers.placements.push(Placement { pose, lengthening }));
         self.next()
     }
 
@@ -208,7 +259,7 @@ impl Survey {
 
     /// What was found, and whether the files may be trusted: every pose was measured, and nothing else explains the lengths better.
     fn verdict(&self) -> (String, bool) {
-        let measured = self.measured.lock().map_or(vec![], |measured| measured.clone());
+        let measured = self.numbers().placements;
         let poses = self.plan.poses.len();
         if measured.len() < poses {
             return (format!("survey: not whole, {} of {poses} poses were measured", measured.len()), false);

@@ -69,6 +69,7 @@ fn a_survey_of_a_rig_that_stands_elsewhere_names_what_is_wrong_and_never_enables
     assert!(said.contains("THE FILES ARE WRONG") && said.contains("home, x: +"), "{said}");
     assert!(said.contains("refused: ") && !said.contains("Enabled\n"), "{said}");
     assert!(said.contains("still to be commissioned: zero (never passed), pull 1"), "{said}");
+    assert!(said.contains("fitted together (an offer;") && said.contains("rig.calibration.json written"), "{said}");
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
 }
@@ -109,6 +110,16 @@ fn a_rig_is_commissioned_and_only_then_enabled_and_only_as_it_was() {
     assert_eq!(code, Some(0), "{}", program.messages());
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
+
+    let numbers = fs::read_to_string(program.folder.path().join("rig.calibration.json")).unwrap();
+    let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
+    assert_eq!(numbers["zero"]["reading"].as_array().unwrap().len(), 6, "{numbers}");
+    assert!(numbers["pulls"]["6"]["came_in"][5].as_f64().unwrap() > 0.004, "{numbers}");
+    assert_eq!(numbers["poses"]["offered"]["anchors"].as_array().unwrap().len(), 6, "{numbers}");
+    assert_eq!(numbers["weight"]["rank"], 6, "{numbers}");
+    for gain in numbers["weight"]["gains"].as_array().unwrap() {
+        assert!((gain[0].as_f64().unwrap() - 1.0).abs() < 0.05, "{numbers}");
+    }
 
     let record = fs::read_to_string(program.folder.path().join("rig.commissioned.json")).unwrap();
     let commissioned = |text: &str, more: &[&str]| {

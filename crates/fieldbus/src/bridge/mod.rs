@@ -34,6 +34,7 @@ use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
 use trial::Trial;
+use weigh::Stand;
 
 use super::Nanoseconds;
 use super::canopen::eds::Use;
@@ -182,6 +183,9 @@ pub struct Bridge {
     is_shutting_down: bool,
     /// Whether poses are measured with cables under pretension, and the controller is never enabled.
     is_survey: bool,
+    /// Where it was placed last, and what it is lifted from to be weighed.
+    placed: Option<Stand>,
+    stand: Stand,
     /// Who the drives are to be.
     expected: Option<PerCable<Identity>>,
     /// Whether everything is set up anew once the platform is down.
@@ -214,8 +218,9 @@ impl Bridge {
                 peers.push(peer(cell.node, cell.bus, Startup::load_cell(&config, cell.node)));
             }
         }
+        let home_length = config.rig.cables_at(&home).length;
         Self {
-            home_length: config.rig.cables_at(&home).length,
+            home_length,
             torque_frames: config.torque_frames(),
             peers,
             mode: Mode::Listening { since: 0 },
@@ -242,6 +247,8 @@ impl Bridge {
             is_resetting_drives: false,
             is_shutting_down: false,
             is_survey: false,
+            placed: None,
+            stand: Stand { pose: home, length: home_length },
             expected: None,
             is_reset_due: false,
             lowers_at: None,

@@ -63,7 +63,7 @@ pub enum OperatorCommand {
     Placed(Pose),
     /// The motor of a cable (from 0) shall pull a little; in Homing, in a survey. To be given again within `timeouts.enable`.
     Pull(usize),
-    /// The platform, on its stand at home, shall be lifted a little and weighed; in Ready, in a survey. To be given again within `timeouts.enable`.
+    /// The platform, on its stand at home or on blocks where it was placed last, shall be lifted a little and weighed; in Ready, in a survey. To be given again within `timeouts.enable`.
     Weigh,
     /// Every cable is slack: what do the load cells say; in Homing, in a survey.
     Zero,
@@ -135,8 +135,10 @@ pub enum Refusal {
         /// m/s.
         speed: f64,
     },
-    /// The platform does not stand at home.
-    #[error("cable {cable} is {off:+.4} m off its length at home: put the platform back on its stand")]
+    /// The platform stands neither at home nor where it was placed last.
+    #[error(
+        "cable {cable} is {off:+.4} m off its length at home: put the platform back on its stand, or where it was placed last"
+    )]
     NotAtHome {
         /// From 1.
         cable: usize,
@@ -207,10 +209,14 @@ pub enum Event {
     Weighed {
         /// That they carry, kg.
         mass: f64,
-        /// How much higher than at home it hung, m.
+        /// How much higher than it stood it hung, m.
         rise: f64,
         /// Its largest angle, rad.
         tilt: f64,
+        /// Where it hung.
+        pose: Pose,
+        /// What each load cell said, N, in the mean.
+        reading: PerCable<f64>,
     },
     /// It did not leave its stand.
     NotLifted,

@@ -2,6 +2,7 @@
 
 use cable_robot::robot::{PerCable, Pose};
 
+use super::weigh::Stand;
 use super::{Bridge, Event, Refusal};
 
 impl Bridge {
@@ -16,6 +17,7 @@ impl Bridge {
         }
         let lengths = self.lengths();
         let lengthening = PerCable::from_fn(self.cables(), |i| lengths[i] - self.home_length[i]);
+        self.placed = Some(Stand { pose, length: lengths });
         self.events.push(self.time, Event::Placed(pose, lengthening));
         Ok(())
     }

@@ -1,10 +1,11 @@
-//! The first lift, in a survey: some millimetres, on springs around the home pose, for as long as the operator holds it; then the load cells say what hangs on them.
+//! The first lift, in a survey: some millimetres, on springs around where the platform stands, for as long as the operator holds it; then the load cells say what
+//! hangs on them.
 
 use super::output::blend;
 use super::trial::{LIFT, Trial};
-use super::{Bridge, Event, Mode, Refusal};
+use super::{Bridge, Event, Fault, Mode, Refusal};
 use crate::Nanoseconds;
-use cable_robot::robot::{PerCable, Pose};
+use cable_robot::robot::{PerCable, Pose, forward_kinematics};
 
 /// A platform that this many times its weight does not lift is too heavy, or held.
 const MOST: f64 = 1.5;
@@ -16,6 +17,14 @@ const HANGS: f64 = 0.25;
 const SLOW: f64 = 0.25;
 /// The whole weight is taken up in so many `slack.ramp`.
 const RAMPS: f64 = 2.0;
+
+/// Where the platform stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stand {
+    pub pose: Pose,
+    /// m.
+    pub length: PerCable<f64>,
+}
 
 /// Where the lift is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,14 +49,28 @@ impl Bridge {
         if self.is_home_stale {
             return Err(Refusal::StillPressed);
         }
-        let lengths = self.lengths();
-        let off = |i: usize| lengths[i] - self.home_length[i];
-        if let Some(i) = (0..self.cables()).find(|i| off(*i).abs() > 0.5 * self.lift_height()) {
-            return Err(Refusal::NotAtHome { cable: i + 1, off: off(i) });
-        }
-        self.pose = self.config.home;
+        self.stand = self.standing()?;
+        self.pose = self.stand.pose;
         self.enter(Mode::Trying(Trial::Weigh { given: now, share: 0.0, lift: Lift::Up }));
         Ok(())
+    }
+
+    /// The platform stands at home, or on the blocks where it was placed last.
+    fn standing(&self) -> Result<Stand, Refusal> {
+        let length = self.lengths();
+        let off = |stand: &Stand, i: usize| length[i] - stand.length[i];
+        let strays =
+            |stand: &Stand| (0..self.cables()).find(|i| off(stand, *i).abs() > 0.5 * self.lift_height());
+        let home = Stand { pose: self.config.home, length: self.home_length };
+        let stand = match (strays(&home), self.placed) {
+            (None, _) => home,
+            (Some(_), Some(placed)) if strays(&placed).is_none() => placed,
+            (Some(i), _) => return Err(Refusal::NotAtHome { cable: i + 1, off: off(&home, i) }),
+        };
+        // Nobody places it exactly: heights count from where it stands.
+        let found = forward_kinematics(&self.config.rig, &length, &stand.pose);
+        let pose = found.map_err(|_| Refusal::NotYet(Fault::NoPose))?.pose;
+        Ok(Stand { pose, length })
     }
 
     /// m.
@@ -56,16 +79,16 @@ impl Bridge {
     }
 
     fn raised(&self) -> Pose {
-        let (mut pose, up) = (self.config.home, -self.config.rig.gravity.normalize());
+        let (mut pose, up) = (self.stand.pose, -self.config.rig.gravity.normalize());
         (0..3).for_each(|axis| pose.0[axis] += self.lift_height() * up[axis]);
         pose
     }
 
-    /// With this share of the weight carried, N: what carries it at home, and springs around where it is led.
+    /// With this share of the weight carried, N: what carries it where it stands, and springs around where it is led.
     pub(super) fn weighing_pull(&self, share: f64) -> PerCable<f64> {
         let rig = &self.config.rig;
-        let (slack, carried) = (self.config.slack.pretension, self.gravity_hold(&self.config.home));
-        let led = blend(&self.home_length, &rig.cables_at(&self.raised()).length, share.min(1.0));
+        let (slack, carried) = (self.config.slack.pretension, self.gravity_hold(&self.stand.pose));
+        let led = blend(&self.stand.length, &rig.cables_at(&self.raised()).length, share.min(1.0));
         let safe = &self.config.safe;
         PerCable::from_fn(self.cables(), |i| {
             let (length, rate) = self.drives[i].encoder.last_measured();
@@ -113,9 +136,9 @@ impl Bridge {
         self.mode = Mode::Trying(Trial::Weigh { given, share, lift });
     }
 
-    /// How much higher than home it is, m.
+    /// How much higher than it stood it is, m.
     fn rise(&self) -> f64 {
-        let way = self.pose.position() - self.config.home.position();
+        let way = self.pose.position() - self.stand.pose.position();
         -way.dot(&self.config.rig.gravity.normalize())
     }
 
@@ -129,7 +152,7 @@ impl Bridge {
         let (rig, tilt) = (&self.config.rig, self.pose.angles().amax());
         let (force, _) = rig.cables_at(&self.pose).wrench(tension);
         let mass = -force.dot(&rig.gravity) / rig.gravity.norm_squared();
-        let event = Event::Weighed { mass, rise: self.rise(), tilt };
+        let event = Event::Weighed { mass, rise: self.rise(), tilt, pose: self.pose, reading: *tension };
         self.events.push(self.time, event);
     }
 }

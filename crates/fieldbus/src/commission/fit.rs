@@ -1,5 +1,7 @@
 //! Amounts of quantities that explain lengths best, by the method of Gauss and Newton.
 
+use std::fmt;
+
 use cable_robot::robot::{PerCable, Pose};
 use nalgebra::{DMatrix, DVector};
 
@@ -23,6 +25,14 @@ pub struct Fitted {
     pub deviation: f64,
 }
 
+impl fmt::Display for Fitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (unit, factor) = self.quantity.unit();
+        let (amount, deviation) = (factor * self.amount, factor * self.deviation);
+        write!(f, "{}: {amount:+.1} {unit} (standard deviation {deviation:.1})", self.quantity)
+    }
+}
+
 /// What `base` would be with these quantities more by these amounts.
 fn truth(base: &World, quantities: &[Quantity], amounts: &DVector<f64>) -> World {
     quantities
@@ -31,22 +41,27 @@ fn truth(base: &World, quantities: &[Quantity], amounts: &DVector<f64>) -> World
         .fold(*base, |world, (quantity, amount)| quantity.truth(&world, *amount))
 }
 
-/// The amounts, and the square of the standard deviations that they leave; `None` where no small amounts are found.
+/// The amounts, and the square of the standard deviations that they leave; `None` where no small amounts are found. `believed` is how far each is from
+/// zero beforehand, as a standard deviation; infinite where nothing is believed.
 pub(super) fn fit(
     base: &World,
     quantities: &[Quantity],
+    believed: impl Fn(Quantity) -> f64,
     placements: &[Placement],
     survey: &Survey,
 ) -> Option<(Vec<Fitted>, f64)> {
     let count = quantities.len();
+    let belief = DVector::from_fn(count, |k, _| believed(quantities[k]).powi(-2));
     let mut amounts = DVector::zeros(count);
     for _ in 0..STEPS {
         let world = truth(base, quantities, &amounts);
         let rest = survey.deviation(&against(&world, placements));
         let changes: Vec<_> =
             (0..count).map(|k| change(base, quantities, &amounts, k, placements, survey)).collect();
-        let normal = DMatrix::from_fn(count, count, |i, k| survey.product(&changes[i], &changes[k]));
-        let along = DVector::from_fn(count, |k, _| survey.product(&changes[k], &rest));
+        let normal = DMatrix::from_fn(count, count, |i, k| survey.product(&changes[i], &changes[k]))
+            + DMatrix::from_diagonal(&belief);
+        let along = DVector::from_fn(count, |k, _| survey.product(&changes[k], &rest))
+            - belief.component_mul(&amounts);
         let inverse = normal.try_inverse()?;
         let step = &inverse * along;
         amounts += &step;

@@ -1,10 +1,12 @@
 //! Commissioning: is the rig what its files say? Six lengths always belong to some pose, so nothing that the bridge computes from them
 //! tells a wrong file. Poses measured in the base's frame do (docs/commissioning.md).
 
+mod calibration;
 mod doubt;
 #[cfg(test)]
 mod first_day;
 mod fit;
+mod gains;
 mod mistake;
 mod poses;
 mod quantity;
@@ -14,8 +16,10 @@ mod tests;
 mod verdict;
 mod world;
 
+pub use calibration::Calibration;
 pub use doubt::Doubt;
 pub use fit::Fitted;
+pub use gains::{Gains, Weighing};
 pub use mistake::{Frame, Mistake};
 pub use poses::Plan;
 pub use quantity::Quantity;

@@ -15,7 +15,7 @@ fn accuracies(config: &Config) -> [Accuracy; 2] {
 }
 
 /// A normal deviate: the sum of twelve uniform ones.
-fn normal(random: &mut Pcg64Mcg) -> f64 {
+pub fn normal(random: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
 
@@ -26,7 +26,7 @@ pub fn placed_badly(pose: &Pose, accuracy: &Accuracy, random: &mut Pcg64Mcg) -> 
 }
 
 /// What a bridge reads if `truth` is true and the platform is placed with errors.
-fn measure(truth: &World, poses: &[Pose], accuracy: &Accuracy, random: &mut Pcg64Mcg) -> Vec<Placement> {
+pub fn measure(truth: &World, poses: &[Pose], accuracy: &Accuracy, random: &mut Pcg64Mcg) -> Vec<Placement> {
     let truth = World { home: placed_badly(&truth.home, accuracy, random), ..*truth };
     let mut read = |pose: &Pose| {
         let mut lengthening = truth.lengthening(&placed_badly(pose, accuracy, random));

@@ -131,7 +131,7 @@ impl Search<'_> {
         let known: Vec<_> = quantities.iter().map(|fitted| fitted.quantity).collect();
         let with = |quantity: Quantity| {
             let quantities = [&known[..], &[quantity]].concat();
-            let (quantities, square) = fit(&base, &quantities, self.placements, &survey)?;
+            let (quantities, square) = fit(&base, &quantities, |_| f64::INFINITY, self.placements, &survey)?;
             let gain = from.square - square;
             let explanation = Explanation { mistake: *mistake, quantities };
             (gain > ALARM * ALARM).then_some(Candidate { explanation, misfit: from.misfit - gain, square })
@@ -147,13 +147,8 @@ impl fmt::Display for Explanation {
         if self.is_of_files() {
             return write!(f, "as the files say");
         }
-        let quantity = |fitted: &Fitted| {
-            let (unit, factor) = fitted.quantity.unit();
-            let (amount, deviation) = (factor * fitted.amount, factor * fitted.deviation);
-            format!("{}: {amount:+.1} {unit} (standard deviation {deviation:.1})", fitted.quantity)
-        };
         let mistake = self.mistake.iter().map(ToString::to_string);
-        let parts: Vec<_> = mistake.chain(self.quantities.iter().map(quantity)).collect();
+        let parts: Vec<_> = mistake.chain(self.quantities.iter().map(ToString::to_string)).collect();
         write!(f, "{}", parts.join(", and "))
     }
 }

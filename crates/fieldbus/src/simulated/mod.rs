@@ -26,8 +26,8 @@ use cable_robot::sim::{Plant, PlantInputs, PlantOutputs, PlantParameters};
 
 /// Share of its weight that the cables must carry to lift the platform off its stand.
 const LIFTS_AT: f64 = 0.98;
-/// It is on its stand again where it comes down within this share of the shortest cable at home of where it stood: to the side of the home pose,
-/// and as far below it, since the stand gives way. What hovers there is not touched by it.
+/// It is on its stand again where it comes down within this share of the shortest cable at home of where it stood (at home, or last): to the side,
+/// and so far below, since the stand gives way. What hovers there is not touched by it.
 const STAND: f64 = 0.02;
 const STAND_GIVES_WAY: f64 = 0.002;
 /// The floor is so far below the home pose, m.
@@ -224,21 +224,23 @@ impl SimulatedRig {
         self.home_length.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
+    /// The stand at home, or what it stood on last.
     fn touches_stand(&self) -> bool {
-        let (way, down) = (self.way_from_home(), self.config.rig.gravity.normalize());
-        let aside = (way - down * way.dot(&down)).norm();
-        let is_there = aside < STAND * self.shortest_at_home()
-            && self.fallen() > STAND_GIVES_WAY * self.shortest_at_home();
-        is_there && self.plant.outputs().velocity.dot(&down) > 0.0
-    }
-
-    fn way_from_home(&self) -> Vector3<f64> {
-        self.plant.outputs().encoder_pose.position() - self.config.home.position()
+        let (plant, down) = (self.plant.outputs(), self.config.rig.gravity.normalize());
+        let is_there = |stand: Vector3<f64>| {
+            let way = plant.encoder_pose.position() - stand;
+            let aside = (way - down * way.dot(&down)).norm();
+            aside < STAND * self.shortest_at_home()
+                && way.dot(&down) > STAND_GIVES_WAY * self.shortest_at_home()
+        };
+        plant.velocity.dot(&down) > 0.0
+            && (is_there(self.config.home.position()) || is_there(self.placing.to.position()))
     }
 
     /// How far the platform is below the home pose, m.
     fn fallen(&self) -> f64 {
-        self.way_from_home().dot(&self.config.rig.gravity.normalize())
+        let way = self.plant.outputs().encoder_pose.position() - self.config.home.position();
+        way.dot(&self.config.rig.gravity.normalize())
     }
 
     /// At rest where it was put, whatever the motors pull, until they carry the weight.

@@ -204,6 +204,33 @@ fn a_platform_is_weighed_within_two_centimetres_of_its_stand() {
     }
 }
 
+/// Placed some millimetres and a degree off what was said: heights count from where it stands.
+#[test]
+fn a_platform_is_weighed_on_blocks_where_it_was_placed_too() {
+    for belief in [parse(AKD).unwrap(), crate::config::tests::eight()] {
+        let mass = belief.rig.mass;
+        let mut bench = ready(belief, 1.0);
+        let mut pose = bench.bridge.config().home;
+        (pose.0[0], pose.0[1], pose.0[2]) = (0.08, -0.05, pose.0[2] - 0.1);
+        let put = [pose.0[0] + 0.003, pose.0[1] - 0.002, pose.0[2] + 0.003, 0.0, 0.01, -0.01];
+        bench.suffer(&put.iter().fold("place".to_owned(), |text, x| text + &format!(" {x}"))).unwrap();
+        bench.run(15.0);
+        let refused = bench.bridge.operator(OperatorCommand::Weigh, bench.now);
+        assert!(matches!(refused, Err(Refusal::NotAtHome { .. })), "{refused:?}");
+        bench.bridge.operator(OperatorCommand::Placed(pose), bench.now).unwrap();
+        let (event, ..) = weigh(&mut bench);
+        assert_eq!(bench.bridge.fault(), None, "{:?}", bench.events);
+        let Some(Event::Weighed { mass: weighed, rise, pose: at, .. }) = event else { panic!("{event:?}") };
+        println!(
+            "{weighed:.3} of {mass} kg, {:.1} mm above the blocks, at {:.3?}",
+            1e3 * rise,
+            at.0.as_slice()
+        );
+        assert!((weighed - mass).abs() < 0.02 * mass && (0.0..0.02).contains(&rise), "{weighed} {rise}");
+        assert_eq!(bench.rig.support(), crate::simulated::Support::Stand);
+    }
+}
+
 #[test]
 fn a_platform_that_is_too_heavy_or_held_is_not_lifted() {
     let mut bench = ready(parse(AKD).unwrap(), 2.0);
