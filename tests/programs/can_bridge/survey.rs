@@ -69,7 +69,10 @@ fn a_survey_of_a_rig_that_stands_elsewhere_names_what_is_wrong_and_never_enables
     assert!(said.contains("THE FILES ARE WRONG") && said.contains("home, x: +"), "{said}");
     assert!(said.contains("refused: ") && !said.contains("Enabled\n"), "{said}");
     assert!(said.contains("still to be commissioned: zero (never passed), pull 1"), "{said}");
-    assert!(said.contains("fitted together (an offer;") && said.contains("rig.calibration.json written"), "{said}");
+    assert!(
+        said.contains("fitted together (an offer;") && said.contains("rig.calibration.json written"),
+        "{said}"
+    );
     let (code, said) = replay(&program.run_folder());
     assert_eq!(code, Some(0), "{said}");
 }

@@ -5,8 +5,11 @@ use super::fit::{Fitted, fit};
 use super::survey::{Accuracy, Survey};
 use super::{Placement, Quantity, World};
 
-/// Before the survey each quantity is believed within this share of [`Quantity::size`], as a standard deviation.
+/// Before the survey each quantity is believed within this share of [`Quantity::size`], as a standard deviation: a stand that was put there, a drum with
+/// its cable,
 const BELIEVED: f64 = 0.05;
+/// and an anchor that was measured with a tape.
+const BELIEVED_OF_ANCHOR: f64 = 0.01;
 /// The survey tells a quantity if it leaves this share of what was not known of it.
 const LEFT: f64 = 0.5;
 
@@ -33,8 +36,8 @@ impl Calibration {
             )
         };
         let quantities: Vec<_> = Quantity::all(file.scale.len()).into_iter().filter(is_fitted).collect();
-        let believed = |quantity: Quantity| BELIEVED * quantity.size(file);
-        let (fitted, square) = fit(file, &quantities, believed, placements, &survey)?;
+        let (fitted, square) =
+            fit(file, &quantities, |quantity| believed(quantity, file), placements, &survey)?;
         let world = fitted.iter().fold(*file, |world, fitted| fitted.quantity.truth(&world, fitted.amount));
         let lengths = (file.scale.len() * placements.len()) as f64;
         Some(Self { fitted, world, residual: (square.max(0.0) / lengths).sqrt() })
@@ -42,9 +45,15 @@ impl Calibration {
 
     /// Those that the lengths tell, rather than the files.
     pub fn measured<'a>(&'a self, file: &'a World) -> impl Iterator<Item = &'a Fitted> {
-        let is_measured = |fitted: &&Fitted| fitted.deviation < LEFT * BELIEVED * fitted.quantity.size(file);
+        let is_measured = |fitted: &&Fitted| fitted.deviation < LEFT * believed(fitted.quantity, file);
         self.fitted.iter().filter(is_measured)
     }
+}
+
+/// m, rad or a share.
+fn believed(quantity: Quantity, file: &World) -> f64 {
+    let share = if matches!(quantity, Quantity::Anchor(..)) { BELIEVED_OF_ANCHOR } else { BELIEVED };
+    share * quantity.size(file)
 }
 
 #[cfg(test)]
@@ -72,14 +81,15 @@ mod tests {
         }
     }
 
-    /// Anchors off by 10 mm, home by 5 mm, windings by 1 %, as standard deviations.
-    fn amounts(cables: usize, random: &mut Pcg64Mcg) -> Vec<(Quantity, f64)> {
+    /// Anchors off by as much as is believed of them, home by 5 mm, windings by 1 %, as standard deviations.
+    fn amounts(file: &World, random: &mut Pcg64Mcg) -> Vec<(Quantity, f64)> {
         let mut amount = |quantity: Quantity| match quantity {
-            Quantity::Anchor(..) | Quantity::Winding(Some(_)) => (quantity, 0.01 * normal(random)),
+            Quantity::Anchor(..) => (quantity, believed(quantity, file) * normal(random)),
+            Quantity::Winding(Some(_)) => (quantity, 0.01 * normal(random)),
             Quantity::Home(_) => (quantity, 0.005 * normal(random)),
             _ => (quantity, 0.0),
         };
-        Quantity::all(cables).into_iter().map(&mut amount).collect()
+        Quantity::all(file.scale.len()).into_iter().map(&mut amount).collect()
     }
 
     /// Mean distance of the anchors of two worlds, m.
@@ -98,7 +108,7 @@ mod tests {
                 let mut random = Pcg64Mcg::seed_from_u64(count);
                 let (mut square, mut number, mut before, mut after) = (0.0, 0u32, 0.0, 0.0);
                 for _ in 0..SURVEYS {
-                    let amounts = amounts(file.scale.len(), &mut random);
+                    let amounts = amounts(&file, &mut random);
                     let truth = amounts
                         .iter()
                         .fold(file, |world, (quantity, amount)| quantity.truth(&world, *amount));
