@@ -71,6 +71,12 @@ impl Platform {
         Ok(self.built(&format!("{program}{}", self.program)))
     }
 
+    /// Builds an example of the library; its path.
+    pub fn build_example(&self, example: &str) -> Result<PathBuf> {
+        self.build(&["--package", "cable-robot", "--example", example], &[])?;
+        Ok(self.built(&format!("examples/{example}{}", self.program)))
+    }
+
     fn built(&self, name: &str) -> PathBuf {
         folder().join(self.target).join("release").join(name)
     }
