@@ -3,7 +3,7 @@
 use std::fmt;
 
 use cable_robot::plan::{ControllerOutputs, ControllerParameters, Status};
-use cable_robot::robot::Pose;
+use cable_robot::robot::{Coordinates, Pose};
 use cable_robot_fieldbus::bridge::CycleReport;
 use cable_robot_fieldbus::{Nanoseconds, OperatorCommand, State};
 use cable_robot_report::facts::{pose_in_words, why_unreachable};
@@ -11,9 +11,14 @@ use serde_json::{Value, json};
 
 use super::entry::{Entry, Input};
 
+/// What is left of a disturbance after so many time constants is nothing.
+const SETTLED: f64 = 10.0;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fate {
     Given,
+    /// It does not set out: the platform rests beside its set point.
+    Waiting,
     Reached,
     Unreachable,
     Refused,
@@ -25,6 +30,7 @@ impl fmt::Display for Fate {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Self::Given => "given",
+            Self::Waiting => "waits",
             Self::Reached => "reached",
             Self::Unreachable => "unreachable",
             Self::Refused => "refused",
@@ -57,6 +63,8 @@ pub struct Goals {
     taken: Option<Told>,
     /// When.
     since: Nanoseconds,
+    /// Since when the platform has been at rest beside its set point.
+    rests_since: Option<Nanoseconds>,
     /// What was refused after it.
     refused: Option<Told>,
 }
@@ -64,7 +72,7 @@ pub struct Goals {
 impl Goals {
     /// Of a controller with these parameters.
     pub fn new(parameters: ControllerParameters) -> Self {
-        Self { parameters, now: 0, taken: None, since: 0, refused: None }
+        Self { parameters, now: 0, taken: None, since: 0, rests_since: None, refused: None }
     }
 
     /// Takes in what happened. What is to be said of it; why a goal is refused is said as of every command.
@@ -91,12 +99,13 @@ impl Goals {
 
     fn follow(&mut self, report: &CycleReport) -> Option<String> {
         self.now = report.time;
+        let waits = self.waits(report);
         let taken = self.taken.as_mut()?;
         let elapsed = (report.time - self.since) as f64 * 1e-9;
         let is_pulled = matches!(report.state, State::Enabled | State::Shadow);
         let (fate, reason) = match (taken.fate, report.controller) {
             (Fate::GivenUp, _) => return None,
-            (Fate::Given, _) if !is_pulled => {
+            (Fate::Given | Fate::Waiting, _) if !is_pulled => {
                 (Fate::GivenUp, format!("after {elapsed:.1} s, the bridge is in {}", report.state))
             }
             // What was reached is not held any more.
@@ -104,9 +113,11 @@ impl Goals {
                 self.taken = None;
                 return None;
             }
-            (Fate::Given | Fate::Unreachable, Some(ControllerOutputs { status: Status::AtGoal, .. })) => {
-                (Fate::Reached, format!("after {elapsed:.1} s"))
-            }
+            (
+                Fate::Given | Fate::Waiting | Fate::Unreachable,
+                Some(ControllerOutputs { status: Status::AtGoal, .. }),
+            ) => (Fate::Reached, format!("after {elapsed:.1} s")),
+            (Fate::Given, _) if waits.is_some() => (Fate::Waiting, waits.unwrap_or_default()),
             // The planner takes a new goal up at its next tick; until then the status is that of the goal before.
             (Fate::Given, Some(answer))
                 if answer.status == Status::GoalUnreachable
@@ -121,6 +132,31 @@ impl Goals {
         // That is newer than what was refused meanwhile.
         self.refused = None;
         self.text()
+    }
+
+    /// Why the planner does not let the platform set out, if that lasts: it rests, but not where the law would have it.
+    fn waits(&mut self, report: &CycleReport) -> Option<String> {
+        let answer = report.controller?;
+        let (rest, slow_rate) = (self.parameters.rest(), self.parameters.lambda.min(self.parameters.eta));
+        let parts = |coordinates: &Coordinates| {
+            (coordinates.fixed_rows::<3>(0).norm(), coordinates.fixed_rows::<3>(3).amax())
+        };
+        let (off, turned) = parts(&answer.estimated_pose.minus(&answer.set_point));
+        let (speed, turning) = parts(&answer.estimated_velocity);
+        let is_slow = speed < slow_rate * rest.position && turning < slow_rate * rest.angle;
+        let is_beside = off > rest.position || turned > rest.angle;
+        if !(is_slow && is_beside && answer.status == Status::Moving) {
+            self.rests_since = None;
+            return None;
+        }
+        let since = *self.rests_since.get_or_insert(report.time);
+        let lasts = (report.time - since) as f64 * 1e-9 > SETTLED / slow_rate;
+        lasts.then(|| {
+            format!(
+                "the platform rests {:.1} mm and {:.1} mrad from its set point, and the planner waits for {:.1} mm and {:.1} mrad (positionTolerance, angleTolerance): load cells, geometry or mass are not as the files say, or the gains are small",
+                1e3 * off, 1e3 * turned, 1e3 * rest.position, 1e3 * rest.angle
+            )
+        })
     }
 
     /// What became of the last goal; nothing if there was none.
@@ -143,6 +179,7 @@ impl Goals {
 #[cfg(test)]
 mod tests {
     use cable_robot::sim::PlantParameters;
+    use cable_robot_fieldbus::Config;
     use cable_robot_fieldbus::simulated::Bench;
 
     use super::*;
@@ -158,7 +195,12 @@ mod tests {
 
     impl Shown {
         fn start() -> Self {
-            let mut bench = Bench::new(config(), PlantParameters::default()).unwrap();
+            Self::start_as(config())
+        }
+
+        /// On a rig that is as `truth` says.
+        fn start_as(truth: Config) -> Self {
+            let mut bench = Bench::believing(truth, config(), PlantParameters::default()).unwrap();
             assert!(bench.start(), "{:?}", bench.events.last());
             let parameters = ControllerParameters { rig: config().rig, ..Default::default() };
             Self { bench, goals: Goals::new(parameters), said: vec![] }
@@ -178,6 +220,25 @@ mod tests {
                 self.said.extend(self.goals.take(&Entry::Cycle(cycle)));
             }
         }
+    }
+
+    #[test]
+    fn why_a_platform_does_not_set_out_is_said() {
+        let mut truth = config();
+        truth.load_cells[4].cell.scale *= 1.003;
+        let mut shown = Shown::start_as(truth);
+        shown.run(3.0);
+        shown.give(0.05, 0.0, 1.0);
+        shown.run(8.0);
+        assert_eq!(shown.said.len(), 2, "{:?}", shown.said);
+        println!("{}", shown.said[1]);
+        assert!(
+            shown.said[1].starts_with("goal (0.05, 0, 1) m waits: the platform rests "),
+            "{:?}",
+            shown.said
+        );
+        assert!(shown.said[1].contains("for 2.0 mm and 10.0 mrad (positionTolerance"), "{:?}", shown.said);
+        assert_eq!(shown.goals.json()["fate"], "waits");
     }
 
     #[test]

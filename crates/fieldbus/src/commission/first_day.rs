@@ -215,8 +215,8 @@ fn weigh(bench: &mut Bench) -> Result<(f64, Weighing), Fault> {
     Ok(weighed.unwrap_or_else(|| panic!("{:?}", bench.events)))
 }
 
-/// A platform with the moments of inertia of a uniform disc of its size, under gains of 8 1/s. With those of Table I, a fifth of them, and its 3 1/s the
-/// moment that 2 mm at home make tilts it by `limits.tilt` (docs/commissioning.md).
+/// A platform with the moments of inertia of a uniform disc of its size, under gains of 8 1/s. With those of Table I, a seventh of them, and its 3 1/s a load
+/// cell that is a hundredth off tilts it by `limits.tilt`.
 fn disc() -> Config {
     with(|config| {
         config.rig.inertia = Matrix3::from_diagonal(&Vector3::new(0.125, 0.125, 0.25));
@@ -289,4 +289,33 @@ fn a_whole_first_day_on_a_rig_that_is_wrong_in_everything() {
     let least = reports.iter().flat_map(|report| report.measured).fold(f64::INFINITY, f64::min);
     println!("smallest tension {least:.2} N, {:.1} mm from the goal", 1e3 * away);
     assert!(least > 0.3 && away < 0.01, "{least} {away}");
+}
+
+/// How far the platform is turned at rest at home by what is left after commissioning, rad: docs/commissioning.md.
+#[test]
+fn a_load_cell_a_hundredth_off_tilts_most() {
+    let home: fn(&mut Config) = |truth| truth.home.0[0] += 2e-3;
+    let anchor: fn(&mut Config) = |truth| truth.rig.cables[0].anchor.x += 4e-3;
+    let cell: fn(&mut Config) = |truth| truth.load_cells[4].cell.scale *= 1.01;
+    let wrongs = [("home 2 mm", home), ("anchor 1 4 mm", anchor), ("cell 5 1 %", cell)];
+    for (belief, most) in
+        [(parse(AKD).unwrap(), [0.005, 0.04, f64::INFINITY]), (disc(), [0.0005, 0.001, 0.005])]
+    {
+        for ((name, wrong), most) in wrongs.into_iter().zip(most) {
+            let mut truth = belief.clone();
+            wrong(&mut truth);
+            let mut bench = Bench::believing(truth, belief.clone(), PlantParameters::default()).unwrap();
+            assert!(bench.start(), "{:?}", bench.events);
+            bench.run(6.0);
+            let turned = bench.rig.plant().encoder_pose.angles().amax();
+            println!(
+                "gains of {} 1/s, {name}: turned by {turned:.4} rad, {:?}",
+                belief.controller.lambda,
+                bench.bridge.fault()
+            );
+            assert!(turned < most, "{name}: {turned}");
+            let is_tilted = matches!(bench.bridge.fault(), Some(Fault::Tilted { .. }));
+            assert_eq!(is_tilted, most.is_infinite(), "{name}: {:?}", bench.events);
+        }
+    }
 }
