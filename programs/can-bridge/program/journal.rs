@@ -193,6 +193,10 @@ fn event_text(event: &Event) -> String {
                 .to_owned()
         }
         Event::Zeroed(reading) => survey::zeroed_text(reading),
+        Event::WatchdogTried(found) => {
+            let drive = |(cable, found)| format!("\n  drive of cable {cable}: {found}");
+            (1..).zip(found).map(drive).fold("the bridge was silent; then".to_owned(), |all, one| all + &one)
+        }
         Event::WatchdogProved => {
             "every drive stopped by itself when the bridge was silent; all are set up anew".to_owned()
         }

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::trial::AfterSilence;
 use crate::Nanoseconds;
 use crate::canopen::{self, Emergency, NmtState, Node, Object, sdo};
 use crate::cia402::{DriveState, status};
@@ -84,12 +85,14 @@ pub enum Fault {
     },
     /// A drive goes on when nobody commands it any more.
     #[error(
-        "drive {node} still is in Operation enabled after the bridge was silent for twice heartbeat.drive_watchdog: killed, it would \
-         leave a motor that pulls; look at its heartbeat consumer (0x1016), error behaviour (0x1029) and abort connection option (0x6007)"
+        "drive {node} goes on after the bridge was silent for twice heartbeat.drive_watchdog ({found}): killed, it would leave a motor \
+         that pulls; look at its heartbeat consumer (0x1016), error behaviour (0x1029) and abort connection option (0x6007)"
     )]
     WatchdogIgnored {
         /// Its address.
         node: Node,
+        /// What it did meanwhile.
+        found: AfterSilence,
     },
     /// A drive reports a fault in its status word.
     #[error("drive {node} is in \"{state}\"")]
@@ -393,7 +396,7 @@ impl Fault {
             | Different { node, .. }
             | ModeRefused { node, .. }
             | DriveStuck { node, .. }
-            | WatchdogIgnored { node }
+            | WatchdogIgnored { node, .. }
             | AnotherDrive { node }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }

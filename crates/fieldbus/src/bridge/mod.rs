@@ -24,6 +24,7 @@ pub use fault::{Fault, TransportError};
 pub use queue::FrameQueue;
 pub use startup::Identity;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
+pub use trial::AfterSilence;
 
 use course::Course;
 use fault::FaultList;
@@ -394,9 +395,11 @@ impl Bridge {
         if let (NmtState::BootUp, false) = (state, is_configuring) {
             self.forget_reference(bus, node);
         }
+        let is_judged_later = self.on_silent_heartbeat(bus, node, state);
         let Some(peer) = self.peer(bus, node) else { return };
         peer.heard = now;
         let result = match state {
+            _ if is_judged_later => Ok(()),
             _ if is_configuring => peer.startup.on_heartbeat(state, now),
             NmtState::Operational => Ok(()),
             NmtState::BootUp => Err(Fault::Rebooted { node }),
@@ -410,6 +413,7 @@ impl Bridge {
             return;
         }
         self.events.push(now, Event::Emergency(emergency));
+        self.on_silent_emergency(bus, emergency);
         // With no error in the error register it is a warning.
         let is_error = emergency.code != 0 && emergency.register != 0;
         if is_error && !self.config.ignores(&emergency) && self.is_active() {

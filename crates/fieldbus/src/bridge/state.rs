@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::fault::Fault;
+use super::trial::AfterSilence;
 use crate::Nanoseconds;
 use crate::canopen::Emergency;
 use crate::cia402::DriveState;
@@ -216,7 +217,9 @@ pub enum Event {
     NotLifted,
     /// What each load cell said of a slack cable, N, in the mean.
     Zeroed(PerCable<f64>),
-    /// Every drive left Operation enabled by itself when nothing was sent any more.
+    /// What each drive did when nothing was sent any more.
+    WatchdogTried(PerCable<AfterSilence>),
+    /// Every drive left Operation enabled by itself then.
     WatchdogProved,
     /// A node's emergency message, also one that says that an error is gone.
     Emergency(Emergency),

@@ -44,6 +44,8 @@ pub struct DriveFaults {
     pub is_local: bool,
     /// It goes on when its master and its torque frames are missing.
     pub ignores_watchdog: bool,
+    /// It boots anew when its master is missing.
+    pub boots_without_master: bool,
     /// Its hardware enable is taken away: no higher than Switched on.
     pub is_blocked: bool,
 }
@@ -261,6 +263,13 @@ impl SimulatedDrive {
     pub(super) fn tick(&mut self, now: Nanoseconds, out: &mut Vec<Frame>) {
         self.node.tick(now, out);
         let misses_frames = self.node.misses_frames(now);
+        let has_lost_master = self.node.has_lost_master(now);
+        if has_lost_master {
+            self.node.miss_master();
+        }
+        if self.faults.boots_without_master && has_lost_master && self.state == DriveState::OperationEnabled {
+            return self.reboot(now);
+        }
         if self.state == DriveState::OperationEnabled {
             if self.faults.ignores_watchdog {
                 return;
@@ -268,7 +277,7 @@ impl SimulatedDrive {
             if misses_frames {
                 self.fail(RECEIVE_ERROR, out);
             }
-            if self.node.has_lost_master(now) {
+            if has_lost_master {
                 self.fail(HEARTBEAT_ERROR, out);
             } else if self.node.state() == NmtState::Stopped {
                 self.fail(COMMUNICATION_ERROR, out);

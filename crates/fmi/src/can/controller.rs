@@ -124,6 +124,7 @@ fn report(log: &Log, time: u64, event: &Event) {
         | Event::Zeroed(_)
         | Event::Weighed { .. }
         | Event::NotLifted
+        | Event::WatchdogTried(_)
         | Event::WatchdogProved => return,
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause}")),
