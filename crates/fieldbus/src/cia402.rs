@@ -95,6 +95,22 @@ impl DriveState {
             _ => control::DISABLE_VOLTAGE,
         }
     }
+
+    /// The state that a control word leads to from here, in one transition of the standard; `None` if it leaves the drive as it is.
+    pub fn after(self, word: u16) -> Option<Self> {
+        match (self, word) {
+            (Self::SwitchOnDisabled, control::SHUTDOWN) => Some(Self::ReadyToSwitchOn),
+            (Self::ReadyToSwitchOn, control::SWITCH_ON) => Some(Self::SwitchedOn),
+            (Self::SwitchedOn, control::ENABLE_OPERATION) => Some(Self::OperationEnabled),
+            (
+                Self::ReadyToSwitchOn | Self::SwitchedOn | Self::OperationEnabled | Self::QuickStopActive,
+                control::DISABLE_VOLTAGE,
+            ) => Some(Self::SwitchOnDisabled),
+            (Self::OperationEnabled, control::QUICK_STOP) => Some(Self::QuickStopActive),
+            (Self::Fault, control::FAULT_RESET) => Some(Self::SwitchOnDisabled),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for DriveState {

@@ -57,7 +57,7 @@ pub fn cases() -> Vec<Case> {
         ("25 ms of delay each way", "delay 25"),
         ("50 ms of delay each way", "delay 50"),
     ] {
-        let is_late = |fault: &Fault| matches!(fault, Fault::Late { .. });
+        let is_late = |fault: &Fault| matches!(fault, Fault::SlowReaction { .. });
         cases.push(case(name, Box::new(move || never_lifted(name, words, is_late)) as _));
     }
     for (name, mass) in [

@@ -122,6 +122,19 @@ pub enum Fault {
         /// What was commanded of late and is nearest to that, N.
         commanded: f64,
     },
+    /// A drive shows too late what a control word does.
+    #[error(
+        "drive {node} shows what a control word does {:.1} ms after it at the soonest, at most {:.1} ms (limits.latency) are allowed: the link is slow, or the drive",
+        *.time as f64 * 1e-6, *.most as f64 * 1e-6
+    )]
+    SlowReaction {
+        /// Its address.
+        node: Node,
+        /// From a control word to the status word that shows its transition.
+        time: Nanoseconds,
+        /// So long it may take.
+        most: Nanoseconds,
+    },
     /// A torque comes too late.
     #[error(
         "the motor of cable {cable} says that it pulls {periods:.1} periods after the command, at most {most} are allowed: the link is slow, or the drive"
@@ -398,6 +411,7 @@ impl Fault {
             | DriveStuck { node, .. }
             | WatchdogIgnored { node, .. }
             | AnotherDrive { node }
+            | SlowReaction { node, .. }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }
             | DriveDisobeys { node, .. }

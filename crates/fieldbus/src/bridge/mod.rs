@@ -10,6 +10,7 @@ mod operator;
 mod output;
 mod queue;
 mod quiet;
+mod reaction;
 mod slack;
 mod startup;
 mod state;
@@ -31,6 +32,7 @@ use fault::FaultList;
 use follow::{Follower, ModeQuestion};
 use lower::Way;
 use measure::{CellMonitor, Encoder};
+use reaction::Reaction;
 use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
@@ -157,6 +159,7 @@ pub struct Bridge {
     drives: Vec<DriveMonitor>,
     cells: Vec<CellMonitor>,
     followers: Vec<Follower>,
+    reactions: Vec<Reaction>,
     mode_question: ModeQuestion,
     course: Option<Course>,
     /// For each encoder, all lengths (m) when its value last changed.
@@ -226,6 +229,7 @@ impl Bridge {
             drives: vec![DriveMonitor::default(); cables],
             cells: vec![CellMonitor::default(); cables],
             followers: vec![Follower::new(); cables],
+            reactions: vec![Reaction::default(); cables],
             mode_question: ModeQuestion::default(),
             course: None,
             pose: home,
@@ -366,6 +370,7 @@ impl Bridge {
         self.measure();
         self.watch_nodes();
         self.watch_drives();
+        self.watch_reactions();
         self.watch_followers();
         self.follow_pose();
         self.answer = None;

@@ -2,7 +2,7 @@
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
 use super::weigh::Lift;
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Trial};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Reaction, Trial};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use cable_robot::robot::Pose;
@@ -128,6 +128,7 @@ impl Bridge {
         self.take_references();
         self.home_given = now;
         self.followers.iter_mut().for_each(Follower::forget_delay);
+        self.reactions.iter_mut().for_each(Reaction::begin);
         self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }
@@ -171,6 +172,7 @@ impl Bridge {
         self.drives.fill(DriveMonitor::default());
         self.cells.fill(CellMonitor::default());
         self.followers.fill(Follower::new());
+        self.reactions.fill(Reaction::default());
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }

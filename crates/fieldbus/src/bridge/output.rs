@@ -89,6 +89,10 @@ impl Bridge {
                     _ => true,
                 };
                 let word = self.control_word(slots, if is_led_up { demand } else { Demand::Off });
+                for i in slots.iter().flatten() {
+                    let patience = self.config.timeouts.drive;
+                    self.reactions[*i].command(word, self.drives[*i].state, self.time, patience);
+                }
                 if let Some(frame) = torque_frame(*id, slots, word, &torque) {
                     out.push(*bus, frame);
                 }

@@ -123,6 +123,7 @@ impl Bridge {
             _ if self.is_home_stale => return Err(Refusal::StillPressed),
             _ => {
                 self.may_be_led_up(cable).map_err(Refusal::NotYet)?;
+                self.reactions[cable].begin();
                 self.enter(Mode::Trying(Trial::Pull { cable, given: now, begun: None, since: now }));
             }
         }
@@ -180,6 +181,9 @@ impl Bridge {
             }
             Trial::Pull { cable, given, begun: None, since } => {
                 if self.drives[cable].state == Some(DriveState::OperationEnabled) {
+                    if let Some(fault) = self.slow_drive(cable..=cable) {
+                        return self.fail(fault);
+                    }
                     let begun = Some((self.time, self.lengths()));
                     self.mode = Mode::Trying(Trial::Pull { cable, given, begun, since });
                 } else if waits(since) > self.config.timeouts.drive {

@@ -39,6 +39,7 @@ drive N ignores-watchdog       pulls on when nobody commands it any more
 drive N leaves-operational     goes to Pre-operational when nobody commands it any more, as CiA 301 has it (0x1029)
 drive N stops-itself           goes to Stopped then, and answers no question
 drive N boots-anew             boots anew then
+drive N slow-stage 100         its power stage takes so many ms to switch on, and as many to enable
 drive N refuses-mode           never shows mode 10
 drive N refuses 0x6072 0x06090031  to have an object (0x6072, 0x1400:5) written, with this abort code
 cell N silent                  sends no process data
@@ -103,6 +104,7 @@ pub enum DriveMishap {
     LeavesOperational,
     StopsItself,
     BootsAnew,
+    SlowStage(Nanoseconds),
     RefusesMode,
     Refuses(Object, u32),
     Well,
@@ -188,6 +190,7 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["leaves-operational"] => DriveMishap::LeavesOperational,
         ["stops-itself"] => DriveMishap::StopsItself,
         ["boots-anew"] => DriveMishap::BootsAnew,
+        ["slow-stage", time] => DriveMishap::SlowStage((milli(time)? * 1e9) as Nanoseconds),
         ["refuses-mode"] => DriveMishap::RefusesMode,
         ["refuses", index, code] => DriveMishap::Refuses(object(index)?, hexadecimal(code)?),
         ["well"] => DriveMishap::Well,
@@ -350,6 +353,7 @@ impl SimulatedRig {
             }
             DriveMishap::StopsItself => drive.node.faults.without_master = Some(NmtState::Stopped),
             DriveMishap::BootsAnew => drive.faults.boots_without_master = true,
+            DriveMishap::SlowStage(time) => drive.faults.slow_stage = time,
             DriveMishap::RefusesMode => drive.faults.refuses_mode = true,
             DriveMishap::Refuses(object, code) => drive.node.faults.refuses = Some((object, code)),
             DriveMishap::Well => (drive.faults, drive.node.faults) = Default::default(),
