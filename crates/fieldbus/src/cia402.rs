@@ -200,8 +200,14 @@ impl Winch {
 
     /// Target torque for a tension, ‰ of the rated torque, rounded and saturated; no tension is no torque.
     pub fn target_torque(&self, tension: f64) -> i16 {
+        self.torque_either_way(tension.max(0.0))
+    }
+
+    /// The same, below 0 N to pay out.
+    pub fn torque_either_way(&self, tension: f64) -> i16 {
+        let most = f64::from(self.permille_limit());
         let permille = (tension / self.newtons_per_permille()).round();
-        (self.direction * permille.clamp(0.0, self.permille_limit().into())) as i16
+        (self.direction * permille.clamp(-most, most)) as i16
     }
 
     /// Tension for a torque, N.

@@ -4,6 +4,7 @@
 mod course;
 mod fault;
 mod follow;
+mod jog;
 mod lower;
 mod measure;
 mod operator;
@@ -22,6 +23,7 @@ mod watch;
 mod weigh;
 
 pub use fault::{Fault, TransportError};
+pub use jog::JogDirection;
 pub use queue::FrameQueue;
 pub use startup::Identity;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
@@ -30,6 +32,7 @@ pub use trial::AfterSilence;
 use course::Course;
 use fault::FaultList;
 use follow::{Follower, ModeQuestion};
+use jog::Jog;
 use lower::Way;
 use measure::{CellMonitor, Encoder};
 use reaction::Reaction;
@@ -96,6 +99,7 @@ enum Mode {
     Fault(SafePull),
     /// In a survey.
     Trying(Trial),
+    Jogging(Jog),
     Lowering {
         since: Nanoseconds,
         from: Held,
@@ -186,6 +190,8 @@ pub struct Bridge {
     is_shutting_down: bool,
     /// Whether poses are measured with cables under pretension, and the controller is never enabled.
     is_survey: bool,
+    /// Which drives have shown in a survey that they haul their own cable in.
+    proved: PerCable<Option<Identity>>,
     /// Who the drives are to be.
     expected: Option<PerCable<Identity>>,
     /// Whether everything is set up anew once the platform is down.
@@ -247,6 +253,7 @@ impl Bridge {
             is_resetting_drives: false,
             is_shutting_down: false,
             is_survey: false,
+            proved: PerCable::filled(cables, None),
             expected: None,
             is_reset_due: false,
             lowers_at: None,
@@ -306,6 +313,7 @@ impl Bridge {
             Mode::Safe(_) => State::Safe,
             Mode::Fault(_) => State::Fault,
             Mode::Trying(_) => State::Trying,
+            Mode::Jogging(_) => State::Jogging,
             Mode::Lowering { .. } => State::Lowering,
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
@@ -466,29 +474,6 @@ impl Bridge {
     fn expect(&mut self, result: Result<(), Fault>) {
         if let Err(fault) = result {
             self.raise(fault);
-        }
-    }
-
-    /// Whether cables may be under tension by the bridge's doing.
-    fn is_active(&self) -> bool {
-        let is_on_the_way =
-            matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. } | Mode::Safe(_));
-        is_on_the_way || self.is_pulling()
-    }
-
-    /// Whether the drives are to be in Operation enabled by now.
-    fn is_pulling(&self) -> bool {
-        match self.mode {
-            Mode::TakingUpSlack { step, .. } => step.is_some(),
-            Mode::Ready | Mode::Enabled { .. } | Mode::Lowering { .. } => true,
-            Mode::Trying(trial) => trial.is_lift(),
-            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
-            Mode::Listening { .. }
-            | Mode::Quieting { .. }
-            | Mode::Configuring
-            | Mode::Homing { .. }
-            | Mode::Off
-            | Mode::Shadow { .. } => false,
         }
     }
 

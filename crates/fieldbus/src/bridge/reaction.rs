@@ -1,5 +1,5 @@
-//! How soon each drive shows what a control word does: the age of all that is heard of it and told to it, before any torque. A power stage may take
-//! its time for a transition, so the least of them counts.
+//! How soon each drive shows what a control word does: the age of all that it is told and that is heard of it, before
+//! any torque. A power stage may take its time for a transition, so the least of them counts.
 
 use super::{Bridge, Fault};
 use crate::Nanoseconds;
@@ -25,7 +25,8 @@ impl Reaction {
         self.least = None;
     }
 
-    /// What is sent at `now` to a drive in this state. A word that was in effect already shows nothing; one that stood for `patience` has been answered.
+    /// What is sent at `now` to a drive in this state. A word that was in effect already shows nothing; one that stood
+    /// for `patience` has been answered.
     pub fn command(&mut self, word: u16, state: Option<DriveState>, now: Nanoseconds, patience: Nanoseconds) {
         if word == self.word {
             return;
@@ -59,8 +60,8 @@ impl Bridge {
         }
     }
 
-    /// Of these drives (from 0) one that shows no transition in time. Of one of which none was measured, because the operator was quicker than it, torque
-    /// tells later.
+    /// Of these drives (from 0) one that shows no transition in time. Of one of which none was measured, because the
+    /// operator was quicker than it, torque tells later.
     pub(super) fn slow_drive(&self, mut cables: impl Iterator<Item = usize>) -> Option<Fault> {
         let most = (self.config.limits.latency * self.config.period as f64) as Nanoseconds;
         cables.find_map(|i| {

@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::fault::Fault;
+use super::jog::JogDirection;
 use super::trial::AfterSilence;
 use crate::Nanoseconds;
 use crate::canopen::Emergency;
@@ -34,6 +35,8 @@ pub enum State {
     /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on
     /// its stand; or it is lifted a little and weighed.
     Trying,
+    /// One cable is hauled in or paid out, the platform on its stand.
+    Jogging,
     /// The platform is let down to its stand.
     Lowering,
     /// Drives off, for good.
@@ -64,6 +67,8 @@ pub enum OperatorCommand {
     Placed(Pose),
     /// The motor of a cable (from 0) shall pull a little; in Homing, in a survey. To be given again within `timeouts.enable`.
     Pull(usize),
+    /// A cable (from 0) shall move, all others left alone; in Homing. To be given again within `timeouts.enable`.
+    Jog(usize, JogDirection),
     /// The platform, on its stand at home, shall be lifted a little and weighed; in Ready, in a survey. To be given again within `timeouts.enable`.
     Weigh,
     /// Every cable is slack: what do the load cells say; in Homing, in a survey.
@@ -89,6 +94,7 @@ impl fmt::Display for OperatorCommand {
             Self::Shutdown => f.write_str("shutdown"),
             Self::Lower => f.write_str("lower"),
             Self::Pull(cable) => write!(f, "pull {}", cable + 1),
+            Self::Jog(cable, direction) => write!(f, "jog {} {direction}", cable + 1),
             Self::Weigh => f.write_str("weigh"),
             Self::Zero => f.write_str("zero"),
             Self::TryWatchdog => f.write_str("watchdog"),
@@ -113,6 +119,12 @@ pub enum Refusal {
         command: OperatorCommand,
         /// What the bridge is doing.
         state: State,
+    },
+    /// In a survey no pull has shown what the motor does.
+    #[error("which way the motor of cable {cable} turns is not known: pull {cable} first")]
+    DirectionUnknown {
+        /// From 1.
+        cable: usize,
     },
     /// Enable has been pressed since before it was possible, or home since it was not given in time.
     #[error("it is still pressed from before: release it first")]
@@ -166,6 +178,12 @@ pub enum Cause {
     Fault(Fault),
     /// The platform was let down and stands.
     Landed,
+    /// A cable that was hauled in is taut.
+    Taut,
+    /// A cable that was jogged was faster than `limits.cable_speed`.
+    TooFast,
+    /// A cable that was jogged went the other way.
+    WrongWay,
 }
 
 impl fmt::Display for Cause {
@@ -177,6 +195,11 @@ impl fmt::Display for Cause {
             Self::Reset => f.write_str("everything is to be set up anew"),
             Self::Shutdown => f.write_str("the program ends"),
             Self::Landed => f.write_str("the platform stands"),
+            Self::Taut => f.write_str("the motor pulls with slack.pretension and nothing moves"),
+            Self::TooFast => f.write_str("the cable was faster than limits.cable_speed"),
+            Self::WrongWay => f.write_str(
+                "its encoder says that the cable went the other way: somebody moved the platform, or a sign is wrong",
+            ),
             Self::Fault(fault) => fault.fmt(f),
         }
     }
@@ -203,6 +226,15 @@ pub enum Event {
         tension: f64,
         /// By how much each encoder says that its cable came in, m.
         came_in: PerCable<f64>,
+    },
+    /// A cable was hauled in or paid out.
+    Jogged {
+        /// From 0.
+        cable: usize,
+        /// By how much its encoder says that it came in, m.
+        came_in: f64,
+        /// What its load cell said at last, N.
+        measured: f64,
     },
     /// The platform was lifted, and its load cells read at rest.
     Weighed {

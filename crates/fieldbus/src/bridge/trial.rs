@@ -148,7 +148,12 @@ impl Bridge {
         Ok(())
     }
 
-    fn may_be_led_up(&self, cable: usize) -> Result<(), Fault> {
+    /// Whether this drive has hauled its own cable in, as its encoder says.
+    pub(super) fn is_direction_known(&self, cable: usize) -> bool {
+        self.proved[cable] == Some(self.peers[cable].startup.identity())
+    }
+
+    pub(super) fn may_be_led_up(&self, cable: usize) -> Result<(), Fault> {
         let (drive, node) = (&self.drives[cable], self.config.drives[cable].node);
         match drive.state {
             _ if !drive.encoder.is_alive(&self.config.limits) => {
@@ -229,6 +234,8 @@ impl Bridge {
         let has_moved = came_in.iter().any(|way| way.abs() >= TRAVEL * self.config.slack.most);
         let is_fast = self.drives[cable].encoder.rate.abs() > self.config.limits.cable_speed;
         if has_moved || is_fast || self.time.saturating_sub(begun) > self.config.slack.ramp / 4 {
+            let is_own = has_moved && came_in.iter().all(|way| way.abs() <= came_in[cable]);
+            self.proved[cable] = is_own.then(|| self.peers[cable].startup.identity());
             self.events.push(self.time, Event::Pulled { cable, tension: self.commanded[cable], came_in });
             self.is_home_stale = true;
             self.enter(Mode::Homing { since: self.time });

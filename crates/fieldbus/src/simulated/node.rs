@@ -36,7 +36,7 @@ pub struct NodeFaults {
     pub slow: Nanoseconds,
     /// It says so twice, as after a reset of its own application.
     pub boots_twice: bool,
-    /// Where its error behaviour (0x1029) takes it from Operational when its master is missing; nowhere without.
+    /// Where its error behaviour (0x1029) takes it from Operational when its master is missing.
     pub without_master: Option<NmtState>,
     /// It refuses to have this object written, with this abort code.
     pub refuses: Option<(Object, u32)>,

@@ -105,8 +105,8 @@ fn number(state: State) -> i32 {
         State::Stopping => 6,
         State::Safe => 7,
         State::Lowering => 9,
-        // The others are for other programs: one that makes a survey, one that is shut down, one that only looks on.
-        State::Fault | State::Trying | State::Off | State::Shadow => 8,
+        // The others are for other programs: one that makes a survey or jogs, one that is shut down, one that only looks on.
+        State::Fault | State::Trying | State::Jogging | State::Off | State::Shadow => 8,
     }
 }
 
@@ -121,6 +121,7 @@ fn report(log: &Log, time: u64, event: &Event) {
         // A node of an FMU makes no survey.
         Event::Placed(..)
         | Event::Pulled { .. }
+        | Event::Jogged { .. }
         | Event::Zeroed(_)
         | Event::Weighed { .. }
         | Event::NotLifted

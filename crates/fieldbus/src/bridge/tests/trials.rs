@@ -73,6 +73,20 @@ fn a_pull_ends_when_the_button_is_let_go_or_not_given_again() {
     }
 }
 
+/// The drive was led up again and again, and the pull ended as one that moves nothing.
+#[test]
+fn a_drive_that_fails_while_it_pulls_is_a_fault() {
+    for words in ["drive 3 fault", "drive 3 emcy 0x2310", "drive 3 blocked", "drive 3 ignores-torque"] {
+        let mut bench = survey(&["cable 3 slack 0"]);
+        bench.bridge.operator(OperatorCommand::Pull(2), bench.now).unwrap();
+        bench.run(0.15);
+        bench.suffer(words).unwrap();
+        bench.run(0.1);
+        assert_eq!(bench.bridge.state(), State::Fault, "{words}: {:?}", bench.events);
+        assert_eq!(bench.rig.drives[2].tension(), 0.0, "{words}");
+    }
+}
+
 #[test]
 fn a_pull_and_the_watchdogs_trial_are_refused_outside_of_a_survey() {
     let mut bench = bench();
