@@ -95,6 +95,22 @@ impl DriveState {
             _ => control::DISABLE_VOLTAGE,
         }
     }
+
+    /// The state that a control word leads to from here, in one transition of the standard; `None` if it leaves the drive as it is.
+    pub fn after(self, word: u16) -> Option<Self> {
+        match (self, word) {
+            (Self::SwitchOnDisabled, control::SHUTDOWN) => Some(Self::ReadyToSwitchOn),
+            (Self::ReadyToSwitchOn, control::SWITCH_ON) => Some(Self::SwitchedOn),
+            (Self::SwitchedOn, control::ENABLE_OPERATION) => Some(Self::OperationEnabled),
+            (
+                Self::ReadyToSwitchOn | Self::SwitchedOn | Self::OperationEnabled | Self::QuickStopActive,
+                control::DISABLE_VOLTAGE,
+            ) => Some(Self::SwitchOnDisabled),
+            (Self::OperationEnabled, control::QUICK_STOP) => Some(Self::QuickStopActive),
+            (Self::Fault, control::FAULT_RESET) => Some(Self::SwitchOnDisabled),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for DriveState {
@@ -184,8 +200,14 @@ impl Winch {
 
     /// Target torque for a tension, ‰ of the rated torque, rounded and saturated; no tension is no torque.
     pub fn target_torque(&self, tension: f64) -> i16 {
+        self.torque_either_way(tension.max(0.0))
+    }
+
+    /// The same, below 0 N to pay out.
+    pub fn torque_either_way(&self, tension: f64) -> i16 {
+        let most = f64::from(self.permille_limit());
         let permille = (tension / self.newtons_per_permille()).round();
-        (self.direction * permille.clamp(0.0, self.permille_limit().into())) as i16
+        (self.direction * permille.clamp(-most, most)) as i16
     }
 
     /// Tension for a torque, N.

@@ -178,11 +178,22 @@ fn event_text(event: &Event) -> String {
             "the operator wants the platform down: to the safe output".to_owned()
         }
         Event::Stopped(Cause::Reset) => "everything is to be set up anew: to the safe output".to_owned(),
+        Event::Stopped(cause @ (Cause::Taut | Cause::TooFast | Cause::WrongWay)) => {
+            format!("to the safe output: {cause}")
+        }
         Event::Stopped(Cause::Fault(fault)) => format!("to the safe output, since {fault}"),
         Event::LetGo(Cause::Landed) => "the platform stands: the motors are off".to_owned(),
-        Event::LetGo(Cause::EnableExpired) => "home was not given again: the motors are off".to_owned(),
+        Event::LetGo(cause @ (Cause::EnableExpired | Cause::Taut | Cause::TooFast | Cause::WrongWay)) => {
+            format!("{cause}: the motors are off")
+        }
         Event::LetGo(_) => "the operator let go: the motors are off".to_owned(),
         Event::Pulled { cable, tension, came_in } => survey::pulled_text(*cable, *tension, came_in),
+        Event::Jogged { cable, came_in, measured } => format!(
+            "cable {} {} by {:.1} mm; its load cell says {measured:.2} N",
+            cable + 1,
+            if *came_in < 0.0 { "went out" } else { "came in" },
+            1e3 * came_in.abs()
+        ),
         Event::Placed(pose, _) => format!("measured at {}", survey::at(pose)),
         Event::Weighed { mass, rise, tilt, .. } => format!(
             "the load cells carry {mass:.3} kg, {:.1} mm above the stand, turned by {tilt:.4} rad",
@@ -193,6 +204,10 @@ fn event_text(event: &Event) -> String {
                 .to_owned()
         }
         Event::Zeroed(reading) => survey::zeroed_text(reading),
+        Event::WatchdogTried(found) => {
+            let drive = |(cable, found)| format!("\n  drive of cable {cable}: {found}");
+            (1..).zip(found).map(drive).fold("the bridge was silent; then".to_owned(), |all, one| all + &one)
+        }
         Event::WatchdogProved => {
             "every drive stopped by itself when the bridge was silent; all are set up anew".to_owned()
         }

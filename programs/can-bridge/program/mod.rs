@@ -9,6 +9,7 @@ mod entry;
 mod fate;
 mod goals;
 mod journal;
+mod keyboard;
 mod log;
 mod operator;
 mod outlet;

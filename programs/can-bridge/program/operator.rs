@@ -5,10 +5,12 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use super::keyboard::Keyboard;
 use super::survey::Survey;
 use super::terminal::{say, show_typed};
 use anyhow::{Context, Result};
 use cable_robot::robot::{Coordinates, Pose};
+use cable_robot_fieldbus::bridge::JogDirection;
 use cable_robot_fieldbus::{Config, OperatorCommand};
 use rtrb::{Consumer, Producer, RingBuffer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -23,10 +25,8 @@ const NO_KEY: u8 = 0;
 const QUEUE: usize = 256;
 /// Of a line.
 const LONGEST_LINE: usize = 256;
-/// Of a goal that is typed: more is a key that is stuck.
-const LONGEST_GOAL: usize = 60;
-const KEYS: &str = "keys: h the platform stands at home   e enable   g a goal: x y z, Enter   any other key: let go   l let the platform down   r down and reset   q down and off";
-const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   m lift a little and weigh, until another key   any other key: let go   r reset   q off, and the verdict";
+const KEYS: &str = "keys: h the platform stands at home   e enable   g a goal: x y z, Enter   1-9 and then i or o: that cable in or out, until another key   any other key: let go   l let the platform down   r down and reset   q down and off";
+const SURVEY_KEYS: &str = "keys: z every cable is slack   1-9 the motor of a cable pulls a little   y only that cable came in   i that cable in, o out, until another key   w try the watchdogs   h the platform stands at home, until the cables are taut   p the platform is where it was asked for   m lift a little and weigh, until another key   any other key: let go   r reset   q off, and the verdict";
 
 /// Reads stdin in a thread of its own; its end lets go. A terminal is put back when the second result is dropped.
 pub fn listen(
@@ -89,9 +89,13 @@ fn keys(mut queue: Producer<OperatorCommand>, again: Duration, survey: Option<&S
             None => keyboard.held.into_iter().for_each(&mut tell),
             Some(0) => return tell(OperatorCommand::Lower),
             Some(_) => {
-                let pressed = match survey.and_then(|survey| survey_key(key[0], survey)) {
-                    Some(SurveyKey::Say(text)) => Err(text),
-                    Some(SurveyKey::Once(command)) => Ok([command, None]),
+                keyboard.choose(key[0]);
+                let pressed = match survey.and_then(|survey| survey_key(key[0], survey, keyboard.cable)) {
+                    Some(SurveyKey::Say(text)) => {
+                        say(format_args!("can-bridge: operator: {text}"));
+                        Ok([keyboard.held.take().map(|_| OperatorCommand::Release), None])
+                    }
+                    Some(SurveyKey::Once(command)) => Ok([keyboard.end_trial(), command]),
                     Some(SurveyKey::Hold(command)) => Ok([Some(keyboard.hold(command)), None]),
                     None => keyboard.press(key[0]),
                 };
@@ -114,8 +118,12 @@ enum SurveyKey {
 }
 
 /// Nothing for a key that means what it does without a survey. There are no goals: their figures would be motors.
-fn survey_key(key: u8, survey: &Survey) -> Option<SurveyKey> {
+fn survey_key(key: u8, survey: &Survey, cable: Option<usize>) -> Option<SurveyKey> {
     Some(match key {
+        b'i' | b'o' if cable.is_some_and(|cable| !survey.knows(cable)) => {
+            say("can-bridge: operator: nothing is jogged before you saw (y) what its pull does");
+            SurveyKey::Once(Some(OperatorCommand::Release))
+        }
         b'y' => SurveyKey::Say(survey.confirm()),
         b'z' => SurveyKey::Once(Some(OperatorCommand::Zero)),
         b'w' => SurveyKey::Once(Some(OperatorCommand::TryWatchdog)),
@@ -125,77 +133,6 @@ fn survey_key(key: u8, survey: &Survey) -> Option<SurveyKey> {
         b'1'..=b'9' => SurveyKey::Hold(OperatorCommand::Pull(usize::from(key - b'1'))),
         _ => return None,
     })
-}
-
-/// What the keys pressed so far mean.
-#[derive(Default)]
-struct Keyboard {
-    held: Option<OperatorCommand>,
-    /// A goal that is being typed, which lets go of nothing.
-    goal: Option<String>,
-}
-
-impl Keyboard {
-    /// This is held from now on, or goes on to be; after another one that is, it lets go of that.
-    fn hold(&mut self, command: OperatorCommand) -> OperatorCommand {
-        self.held = Some(command).filter(|_| self.held.is_none_or(|held| held == command));
-        self.held.unwrap_or(OperatorCommand::Release)
-    }
-
-    /// The commands that a key gives; while a goal is typed each key gives again what is held, which would run out otherwise.
-    ///
-    /// # Errors
-    /// What would be right in place of a goal that is none.
-    fn press(&mut self, key: u8) -> Result<[Option<OperatorCommand>; 2], String> {
-        if let Some(typed) = self.goal.take() {
-            match key {
-                b'\n' | b'\r' if typed.is_empty() => return Ok([self.held, None]),
-                b'\n' | b'\r' => return command(&format!("goal {typed}")).map(|goal| [goal, self.held]),
-                _ => self.goal = after(typed, key),
-            }
-            self.held = self.held.filter(|_| self.goal.is_some());
-        } else if key == b'g' {
-            self.goal = Some(String::new());
-        } else {
-            self.held = held_after(self.held, key);
-        }
-        if self.goal.is_some() {
-            return Ok([self.held, None]);
-        }
-        let also = match key {
-            b'l' => Some(OperatorCommand::Lower),
-            b'r' => Some(OperatorCommand::Reset),
-            b'q' => Some(OperatorCommand::Shutdown),
-            _ => None,
-        };
-        Ok([Some(self.held.unwrap_or(OperatorCommand::Release)), also])
-    }
-
-    /// What the operator sees of a goal that is being typed.
-    fn typed(&self) -> Option<String> {
-        self.goal.as_ref().map(|typed| format!("goal x y z (m), Enter: {typed}_"))
-    }
-}
-
-/// What is typed of a goal after a key; nothing if the key has no place in it. Of spaces one behind a number has: whoever hits that bar lets go.
-fn after(mut typed: String, key: u8) -> Option<String> {
-    match key {
-        b'\x08' | b'\x7F' => _ = typed.pop()?,
-        _ if typed.len() >= LONGEST_GOAL => return None,
-        b'0'..=b'9' | b'.' | b'-' => typed.push(key.into()),
-        b' ' if typed.ends_with(|last: char| last.is_ascii_digit()) => typed.push(' '),
-        _ => return None,
-    }
-    Some(typed)
-}
-
-/// What is held after a key, which may come again and again while it is pressed. From home one goes on to enable; every other key lets go.
-fn held_after(held: Option<OperatorCommand>, key: u8) -> Option<OperatorCommand> {
-    match (key, held) {
-        (b'h', None | Some(OperatorCommand::Home)) => Some(OperatorCommand::Home),
-        (b'e', _) => Some(OperatorCommand::Enable),
-        _ => None,
-    }
 }
 
 /// A command a line, see [`command`].
@@ -238,7 +175,12 @@ fn command_of(line: &str, survey: Option<&Survey>) -> Result<Option<OperatorComm
             Ok(None)
         }
         Some(survey) if line.trim_ascii() == "placed" => Ok(survey.asked().map(OperatorCommand::Placed)),
-        _ => command(line),
+        _ => match (command(line)?, survey) {
+            (Some(OperatorCommand::Jog(cable, _)), Some(survey)) if !survey.knows(cable) => {
+                Err(format!("{line:?}: pull {} first, and yes if you saw its cable come in", cable + 1))
+            }
+            (command, _) => Ok(command),
+        },
     }
 }
 
@@ -271,13 +213,14 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
         "shutdown" => OperatorCommand::Shutdown,
         "goal" => return pose("goal", words.collect()).map(|pose| Some(OperatorCommand::Goal(pose))),
         "pull" => return cable(words.collect()).map(Some),
+        "jog" => return jog(words.collect()).map(Some),
         "weigh" => OperatorCommand::Weigh,
         "zero" => OperatorCommand::Zero,
         "watchdog" => OperatorCommand::TryWatchdog,
         "placed" => return pose("placed", words.collect()).map(|pose| Some(OperatorCommand::Placed(pose))),
         _ => {
             return Err(format!(
-                "{line:?}: expected home, enable, release, lower, goal x y z [roll pitch yaw], reset or shutdown"
+                "{line:?}: expected home, enable, release, lower, goal x y z [roll pitch yaw], jog N in|out, reset or shutdown"
             ));
         }
     };
@@ -288,10 +231,26 @@ pub fn command(line: &str) -> Result<Option<OperatorCommand>, String> {
 }
 
 fn cable(words: Vec<&str>) -> Result<OperatorCommand, String> {
-    let number = words.first().and_then(|word| word.parse().ok()).filter(|number: &usize| *number > 0);
-    match (number, words.len()) {
-        (Some(number), 1) => Ok(OperatorCommand::Pull(number - 1)),
+    match (number(&words), words.len()) {
+        (Some(cable), 1) => Ok(OperatorCommand::Pull(cable)),
         _ => Err(format!("pull {}: expected the number of a cable, from 1", words.join(" "))),
+    }
+}
+
+/// Of a cable, from 0.
+fn number(words: &[&str]) -> Option<usize> {
+    words.first()?.parse::<usize>().ok()?.checked_sub(1)
+}
+
+fn jog(words: Vec<&str>) -> Result<OperatorCommand, String> {
+    let direction = match words.get(1) {
+        Some(&"in") => Some(JogDirection::In),
+        Some(&"out") => Some(JogDirection::Out),
+        _ => None,
+    };
+    match (number(&words), direction, words.len()) {
+        (Some(cable), Some(direction), 2) => Ok(OperatorCommand::Jog(cable, direction)),
+        _ => Err(format!("jog {}: expected the number of a cable, from 1, and in or out", words.join(" "))),
     }
 }
 
@@ -312,58 +271,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn home_and_enable_are_held_until_another_key() {
-        let (home, enable) = (Some(OperatorCommand::Home), Some(OperatorCommand::Enable));
-        assert_eq!((held_after(None, b'h'), held_after(None, b'e')), (home, enable));
-        assert_eq!(held_after(home, b'e'), enable);
-        for (held, key) in [(enable, b'h'), (home, b'x'), (None, b'x'), (enable, b' ')] {
-            assert_eq!(held_after(held, key), None, "{held:?} {key}");
-        }
-    }
-
-    /// Every second repetition of a key that is pressed let go.
-    #[test]
-    fn a_key_that_repeats_while_it_is_pressed_does_not_let_go() {
-        let mut keyboard = Keyboard::default();
-        for (key, command) in [(b'h', OperatorCommand::Home), (b'e', OperatorCommand::Enable)] {
-            (0..9).for_each(|_| assert_eq!(keyboard.press(key), Ok([Some(command), None])));
-        }
-    }
-
-    /// What the last of the keys gives.
-    fn typed(keyboard: &mut Keyboard, keys: &str) -> Result<[Option<OperatorCommand>; 2], String> {
-        let mut last = Ok([None; 2]);
-        keys.bytes().for_each(|key| last = keyboard.press(key));
-        last
-    }
-
-    #[test]
-    fn a_goal_is_typed_while_enable_is_held() {
-        let mut keyboard = Keyboard::default();
-        let enable = Some(OperatorCommand::Enable);
-        _ = keyboard.press(b'e');
-        let goal = Some(OperatorCommand::Goal(Pose::at(0.15, -0.1, 1.0)));
-        // Enable ran out while somebody typed.
-        assert_eq!(typed(&mut keyboard, "g0.15 -0.2"), Ok([enable, None]));
-        assert_eq!(keyboard.typed().unwrap(), "goal x y z (m), Enter: 0.15 -0.2_");
-        assert_eq!(typed(&mut keyboard, "\x7F1 1\n"), Ok([goal, enable]));
-        assert!(typed(&mut keyboard, "g0.1 2\n").unwrap_err().contains("a pose is x y z"));
-        assert_eq!(typed(&mut keyboard, "g\n"), Ok([enable, None]));
-        assert_eq!((keyboard.held, keyboard.typed()), (enable, None));
-    }
-
-    #[test]
-    fn a_key_without_a_place_in_a_goal_lets_go() {
-        let release = Ok([Some(OperatorCommand::Release), None]);
-        let too_long = format!("g{}", "1".repeat(LONGEST_GOAL + 1));
-        for keys in ["gx", "g ", "g1  ", "g1e", "g\x1B", "g\x7F", &too_long] {
-            let mut keyboard = Keyboard { held: Some(OperatorCommand::Enable), goal: None };
-            let given = typed(&mut keyboard, keys);
-            assert_eq!((given, keyboard.held, keyboard.typed()), (release.clone(), None, None), "{keys:?}");
-        }
-    }
-
-    #[test]
     fn commands_come_back_as_they_were_written() {
         let pose = Pose(Coordinates::from([0.1 + 0.2, -1e-17, 1.0 / 3.0, 0.0, -0.0, 0.25]));
         for command_given in [
@@ -376,6 +283,8 @@ mod tests {
             OperatorCommand::Goal(pose),
             OperatorCommand::Placed(pose),
             OperatorCommand::Pull(2),
+            OperatorCommand::Jog(11, JogDirection::In),
+            OperatorCommand::Jog(0, JogDirection::Out),
             OperatorCommand::Zero,
             OperatorCommand::Weigh,
             OperatorCommand::TryWatchdog,
@@ -412,6 +321,12 @@ mod tests {
                 .contains("a line of more than 256")
         );
         assert!(command("go").unwrap_err().contains("expected home, enable"));
+        for jog in ["jog", "jog 3", "jog in", "jog 0 in", "jog 3 up", "jog 3 in out"] {
+            assert!(
+                command(jog).unwrap_err().contains("the number of a cable, from 1, and in or out"),
+                "{jog}"
+            );
+        }
         assert!(command("enable now").unwrap_err().contains("\"now\" is too much"));
         for goal in ["goal", "goal 1 2", "goal 0 0 -1", "goal 0 0 nan", "goal 0 0 one", "goal 0 0 1 2"] {
             assert!(command(goal).unwrap_err().contains("a pose is x y z"), "{goal}");

@@ -257,6 +257,7 @@ impl Run {
             State::Configuring
             | State::Homing
             | State::Trying
+            | State::Jogging
             | State::TakingUpSlack
             | State::Ready
             | State::Off => false,

@@ -141,6 +141,11 @@ impl Survey {
         }
     }
 
+    /// Whether a person saw in this session that the motor of a cable (from 0) hauls its own cable in.
+    pub fn knows(&self, cable: usize) -> bool {
+        self.passed().contains(&Step::Pull(cable))
+    }
+
     fn pass(&self, step: Step) {
         self.passed.lock().iter_mut().for_each(|passed| passed.push(step));
     }

@@ -57,8 +57,8 @@ pub fn cases() -> Vec<Case> {
         ("25 ms of delay each way", "delay 25"),
         ("50 ms of delay each way", "delay 50"),
     ] {
-        let is_late = |fault: &Fault| matches!(fault, Fault::Late { .. });
-        cases.push(case(name, Box::new(move || never_lifted(name, words, is_late)) as _));
+        let is_slow = |fault: &Fault| matches!(fault, Fault::SlowReaction { .. });
+        cases.push(case(name, Box::new(move || refused_at_start(name, words, is_slow)) as _));
     }
     for (name, mass) in [
         ("4 kg for 6 in the rig file", 4.0),
@@ -127,17 +127,6 @@ fn off_course(name: &str, mass: f64) -> Result<Row, String> {
     let fault = bench.bridge.fault().ok_or("no fault")?;
     ensure(matches!(fault, Fault::OffCourse { .. }), || format!("ended by {fault:?}"))?;
     finish(name, "off course".to_owned(), [None, None], bench, fault.to_string())
-}
-
-/// What is wrong is found while the platform is on its stand.
-fn never_lifted(name: &str, words: &str, is_expected: fn(&Fault) -> bool) -> Result<Row, String> {
-    let mut bench = bench()?;
-    bench.suffer(words).map_err(|error| error.to_string())?;
-    ensure(!bench.start(), || "enabled".to_owned())?;
-    ensure(bench.rig.support() == Support::Stand, || "the platform left its stand".to_owned())?;
-    let fault = bench.bridge.fault().ok_or("no fault")?;
-    ensure(is_expected(&fault), || format!("ended by {fault:?}"))?;
-    finish(name, "on its stand".to_owned(), [None, None], bench, fault.to_string())
 }
 
 /// A motor that pulls five times as much is found while slack is taken up, with the platform on its stand.

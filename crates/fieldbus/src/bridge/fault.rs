@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::trial::AfterSilence;
 use crate::Nanoseconds;
 use crate::canopen::{self, Emergency, NmtState, Node, Object, sdo};
 use crate::cia402::{DriveState, status};
@@ -84,12 +85,14 @@ pub enum Fault {
     },
     /// A drive goes on when nobody commands it any more.
     #[error(
-        "drive {node} still is in Operation enabled after the bridge was silent for twice heartbeat.drive_watchdog: killed, it would \
-         leave a motor that pulls; look at its heartbeat consumer (0x1016), error behaviour (0x1029) and abort connection option (0x6007)"
+        "drive {node} goes on after the bridge was silent for twice heartbeat.drive_watchdog ({found}): killed, it would leave a motor \
+         that pulls; look at its heartbeat consumer (0x1016), error behaviour (0x1029) and abort connection option (0x6007)"
     )]
     WatchdogIgnored {
         /// Its address.
         node: Node,
+        /// What it did meanwhile.
+        found: AfterSilence,
     },
     /// A drive reports a fault in its status word.
     #[error("drive {node} is in \"{state}\"")]
@@ -118,6 +121,19 @@ pub enum Fault {
         actual: f64,
         /// What was commanded of late and is nearest to that, N.
         commanded: f64,
+    },
+    /// A drive shows too late what a control word does.
+    #[error(
+        "drive {node} shows what a control word does {:.1} ms after it at the soonest, at most {:.1} ms (limits.latency) are allowed: the link is slow, or the drive",
+        *.time as f64 * 1e-6, *.most as f64 * 1e-6
+    )]
+    SlowReaction {
+        /// Its address.
+        node: Node,
+        /// From a control word to the status word that shows its transition.
+        time: Nanoseconds,
+        /// So long it may take.
+        most: Nanoseconds,
     },
     /// A torque comes too late.
     #[error(
@@ -393,8 +409,9 @@ impl Fault {
             | Different { node, .. }
             | ModeRefused { node, .. }
             | DriveStuck { node, .. }
-            | WatchdogIgnored { node }
+            | WatchdogIgnored { node, .. }
             | AnotherDrive { node }
+            | SlowReaction { node, .. }
             | DriveFault { node, .. }
             | DriveLeft { node, .. }
             | DriveDisobeys { node, .. }

@@ -108,11 +108,10 @@ impl Bridge {
     pub(super) fn watch_followers(&mut self) {
         let limits = self.config.limits;
         let window = limits.lost_cycles as usize + WAY;
-        let is_pulling = self.is_pulling();
         for i in 0..self.cables() {
             let Some((torque, status)) = self.followers[i].arrived.take() else { continue };
             let monitor = &self.drives[i];
-            if !is_pulling || monitor.has_left || monitor.state != Some(DriveState::OperationEnabled) {
+            if !self.is_led(i) || monitor.has_left || monitor.state != Some(DriveState::OperationEnabled) {
                 (self.followers[i].shown, self.followers[i].odd) = (0, 0);
                 continue;
             }

@@ -190,6 +190,9 @@ impl Bridge {
     /// The platform is on its stand: nothing holds it but that, and the motors are switched off.
     pub(super) fn switch_off(&mut self, cause: Cause) {
         self.lowers_at = None;
+        if let Mode::Jogging(jog) = self.mode {
+            self.say_jog(&jog);
+        }
         if self.is_shutting_down {
             self.enter(Mode::Off);
         } else if self.is_reset_due {

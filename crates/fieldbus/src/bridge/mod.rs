@@ -4,12 +4,14 @@
 mod course;
 mod fault;
 mod follow;
+mod jog;
 mod lower;
 mod measure;
 mod operator;
 mod output;
 mod queue;
 mod quiet;
+mod reaction;
 mod slack;
 mod startup;
 mod state;
@@ -21,15 +23,19 @@ mod watch;
 mod weigh;
 
 pub use fault::{Fault, TransportError};
+pub use jog::JogDirection;
 pub use queue::FrameQueue;
 pub use startup::Identity;
 pub use state::{Cause, CycleReport, Event, OperatorCommand, Refusal, State};
+pub use trial::AfterSilence;
 
 use course::Course;
 use fault::FaultList;
 use follow::{Follower, ModeQuestion};
+use jog::Jog;
 use lower::Way;
 use measure::{CellMonitor, Encoder};
+use reaction::Reaction;
 use slack::SlackStep;
 use startup::Startup;
 use state::EventLog;
@@ -94,6 +100,7 @@ enum Mode {
     Fault(SafePull),
     /// In a survey.
     Trying(Trial),
+    Jogging(Jog),
     Lowering {
         since: Nanoseconds,
         from: Held,
@@ -157,6 +164,7 @@ pub struct Bridge {
     drives: Vec<DriveMonitor>,
     cells: Vec<CellMonitor>,
     followers: Vec<Follower>,
+    reactions: Vec<Reaction>,
     mode_question: ModeQuestion,
     course: Option<Course>,
     /// For each encoder, all lengths (m) when its value last changed.
@@ -186,6 +194,8 @@ pub struct Bridge {
     /// Where it was placed last, and what it is lifted from to be weighed.
     placed: Option<Stand>,
     stand: Stand,
+    /// Which drives have shown in a survey that they haul their own cable in.
+    proved: PerCable<Option<Identity>>,
     /// Who the drives are to be.
     expected: Option<PerCable<Identity>>,
     /// Whether everything is set up anew once the platform is down.
@@ -230,6 +240,7 @@ impl Bridge {
             drives: vec![DriveMonitor::default(); cables],
             cells: vec![CellMonitor::default(); cables],
             followers: vec![Follower::new(); cables],
+            reactions: vec![Reaction::default(); cables],
             mode_question: ModeQuestion::default(),
             course: None,
             pose: home,
@@ -249,6 +260,7 @@ impl Bridge {
             is_survey: false,
             placed: None,
             stand: Stand { pose: home, length: home_length },
+            proved: PerCable::filled(cables, None),
             expected: None,
             is_reset_due: false,
             lowers_at: None,
@@ -308,6 +320,7 @@ impl Bridge {
             Mode::Safe(_) => State::Safe,
             Mode::Fault(_) => State::Fault,
             Mode::Trying(_) => State::Trying,
+            Mode::Jogging(_) => State::Jogging,
             Mode::Lowering { .. } => State::Lowering,
             Mode::Off => State::Off,
             Mode::Shadow { .. } => State::Shadow,
@@ -372,6 +385,7 @@ impl Bridge {
         self.measure();
         self.watch_nodes();
         self.watch_drives();
+        self.watch_reactions();
         self.watch_followers();
         self.follow_pose();
         self.answer = None;
@@ -401,9 +415,11 @@ impl Bridge {
         if let (NmtState::BootUp, false) = (state, is_configuring) {
             self.forget_reference(bus, node);
         }
+        let is_judged_later = self.on_silent_heartbeat(bus, node, state);
         let Some(peer) = self.peer(bus, node) else { return };
         peer.heard = now;
         let result = match state {
+            _ if is_judged_later => Ok(()),
             _ if is_configuring => peer.startup.on_heartbeat(state, now),
             NmtState::Operational => Ok(()),
             NmtState::BootUp => Err(Fault::Rebooted { node }),
@@ -417,6 +433,7 @@ impl Bridge {
             return;
         }
         self.events.push(now, Event::Emergency(emergency));
+        self.on_silent_emergency(bus, emergency);
         // With no error in the error register it is a warning.
         let is_error = emergency.code != 0 && emergency.register != 0;
         if is_error && !self.config.ignores(&emergency) && self.is_active() {
@@ -464,29 +481,6 @@ impl Bridge {
     fn expect(&mut self, result: Result<(), Fault>) {
         if let Err(fault) = result {
             self.raise(fault);
-        }
-    }
-
-    /// Whether cables may be under tension by the bridge's doing.
-    fn is_active(&self) -> bool {
-        let is_on_the_way =
-            matches!(self.mode, Mode::TakingUpSlack { .. } | Mode::Stopping { .. } | Mode::Safe(_));
-        is_on_the_way || self.is_pulling()
-    }
-
-    /// Whether the drives are to be in Operation enabled by now.
-    fn is_pulling(&self) -> bool {
-        match self.mode {
-            Mode::TakingUpSlack { step, .. } => step.is_some(),
-            Mode::Ready | Mode::Enabled { .. } | Mode::Lowering { .. } => true,
-            Mode::Trying(trial) => trial.is_lift(),
-            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
-            Mode::Listening { .. }
-            | Mode::Quieting { .. }
-            | Mode::Configuring
-            | Mode::Homing { .. }
-            | Mode::Off
-            | Mode::Shadow { .. } => false,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::state::{Cause, Event, OperatorCommand, Refusal, State};
 use super::weigh::Lift;
-use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Trial};
+use super::{Bridge, CellMonitor, DriveMonitor, Fault, Follower, FrameQueue, Mode, Reaction, Trial};
 use crate::Nanoseconds;
 use crate::cia402::DriveState;
 use cable_robot::robot::Pose;
@@ -46,6 +46,11 @@ impl Bridge {
             {
                 return self.pull(cable, now);
             }
+            (OperatorCommand::Jog(cable, direction), Mode::Homing { .. } | Mode::Jogging(_))
+                if cable < self.cables() =>
+            {
+                return self.jog(cable, direction, now);
+            }
             (OperatorCommand::Weigh, Mode::Ready | Mode::Trying(Trial::Weigh { .. })) if self.is_survey => {
                 return self.weigh(now);
             }
@@ -70,22 +75,15 @@ impl Bridge {
             }
             (OperatorCommand::Release, _) => {
                 (self.is_released, self.is_home_stale) = (true, false);
-                let is_under_way = matches!(
-                    self.mode,
-                    Mode::Enabled { .. }
-                        | Mode::TakingUpSlack { .. }
-                        | Mode::Ready
-                        | Mode::Trying(Trial::Pull { .. })
-                );
-                if is_under_way {
+                if matches!(self.mode, Mode::Enabled { .. }) || self.pulls_on_stand() {
                     self.come_down(Cause::Released);
                 } else if let Mode::Trying(Trial::Weigh { given, share, .. }) = self.mode {
                     self.mode = Mode::Trying(Trial::Weigh { given, share, lift: Lift::Down });
                 }
             }
-            (OperatorCommand::Lower, mode) => {
+            (OperatorCommand::Lower, _) => {
                 (self.is_released, self.is_home_stale) = (true, false);
-                if self.hangs() || matches!(mode, Mode::TakingUpSlack { .. } | Mode::Ready) {
+                if self.hangs() || self.pulls_on_stand() {
                     self.come_down(Cause::Lower);
                 }
             }
@@ -100,6 +98,14 @@ impl Bridge {
             _ => return Err(refusal),
         }
         Ok(())
+    }
+
+    /// Whether motors pull, the platform on its stand, and are switched off by whoever lets go.
+    fn pulls_on_stand(&self) -> bool {
+        matches!(
+            self.mode,
+            Mode::TakingUpSlack { .. } | Mode::Ready | Mode::Trying(Trial::Pull { .. }) | Mode::Jogging(_)
+        )
     }
 
     pub(super) fn enter(&mut self, mode: Mode) {
@@ -128,6 +134,7 @@ impl Bridge {
         self.take_references();
         self.home_given = now;
         self.followers.iter_mut().for_each(Follower::forget_delay);
+        self.reactions.iter_mut().for_each(Reaction::begin);
         self.enter(Mode::TakingUpSlack { since: now, step: None });
         Ok(())
     }
@@ -171,6 +178,7 @@ impl Bridge {
         self.drives.fill(DriveMonitor::default());
         self.cells.fill(CellMonitor::default());
         self.followers.fill(Follower::new());
+        self.reactions.fill(Reaction::default());
         let since = self.time;
         self.enter(if self.has_spoken { Mode::Quieting { since } } else { Mode::Listening { since } });
     }
@@ -193,6 +201,7 @@ impl Bridge {
                 self.come_down(Cause::EnableExpired);
             }
             Mode::Trying(trial) => self.try_out(trial, out),
+            Mode::Jogging(jog) => self.go_on_jogging(jog),
             Mode::TakingUpSlack { since, step } => self.take_up_slack(since, step),
             Mode::Enabled { confirmed, .. }
                 if self.time.saturating_sub(confirmed) > self.config.timeouts.enable =>

@@ -24,6 +24,7 @@ impl Bridge {
             }
             Mode::Trying(trial) if trial.is_lift() => (self.trial_pull(&trial), Demand::Keep),
             Mode::Trying(trial) => (self.trial_pull(&trial), Demand::Enabled),
+            Mode::Jogging(jog) => (self.jog_pull(&jog), Demand::Enabled),
             Mode::Ready => (PerCable::filled(self.cables(), self.config.slack.pretension), Demand::Keep),
             Mode::Enabled { since, from, lifted, .. } => {
                 let share = self.share(since, self.config.safe.ramp);
@@ -74,7 +75,9 @@ impl Bridge {
         }
         let torque = PerCable::from_fn(self.cables(), |i| {
             let tension = if self.drives[i].has_left { 0.0 } else { tension[i] };
-            self.config.drives[i].winch.target_torque(tension)
+            let winch = &self.config.drives[i].winch;
+            let is_jogged = matches!(self.mode, Mode::Jogging(_));
+            if is_jogged { winch.torque_either_way(tension) } else { winch.target_torque(tension) }
         });
         self.commanded = PerCable::from_fn(self.cables(), |i| self.config.drives[i].winch.tension(torque[i]));
         self.followers.iter_mut().zip(&torque).for_each(|(follower, torque)| follower.command(*torque));
@@ -86,9 +89,14 @@ impl Bridge {
             for (bus, id, slots) in &self.torque_frames {
                 let is_led_up = match self.mode {
                     Mode::Trying(trial) => trial.leads_up(slots.iter().flatten().copied()),
+                    Mode::Jogging(jog) => slots.contains(&Some(jog.cable)),
                     _ => true,
                 };
                 let word = self.control_word(slots, if is_led_up { demand } else { Demand::Off });
+                for i in slots.iter().flatten() {
+                    let patience = self.config.timeouts.drive;
+                    self.reactions[*i].command(word, self.drives[*i].state, self.time, patience);
+                }
                 if let Some(frame) = torque_frame(*id, slots, word, &torque) {
                     out.push(*bus, frame);
                 }

@@ -85,6 +85,9 @@ impl Bridge {
         let waiting = (0..self.cables()).find(|i| !is_enabled(*i) || !self.followers[*i].shows_mode());
         match waiting {
             None => {
+                if let Some(fault) = self.slow_drive(0..self.cables()) {
+                    return self.fail(fault);
+                }
                 let step = Some(SlackStep { begun: self.time, ..SlackStep::default() });
                 self.mode = Mode::TakingUpSlack { since, step };
             }

@@ -5,6 +5,8 @@ use std::fmt;
 use thiserror::Error;
 
 use super::fault::Fault;
+use super::jog::JogDirection;
+use super::trial::AfterSilence;
 use crate::Nanoseconds;
 use crate::canopen::Emergency;
 use crate::cia402::DriveState;
@@ -33,6 +35,8 @@ pub enum State {
     /// In a survey: load cells are read, one motor pulls a little, or the drives' watchdogs are tried, the platform on
     /// its stand; or it is lifted a little and weighed.
     Trying,
+    /// One cable is hauled in or paid out, the platform on its stand.
+    Jogging,
     /// The platform is let down to its stand.
     Lowering,
     /// Drives off, for good.
@@ -63,6 +67,8 @@ pub enum OperatorCommand {
     Placed(Pose),
     /// The motor of a cable (from 0) shall pull a little; in Homing, in a survey. To be given again within `timeouts.enable`.
     Pull(usize),
+    /// A cable (from 0) shall move, all others left alone; in Homing. To be given again within `timeouts.enable`.
+    Jog(usize, JogDirection),
     /// The platform, on its stand at home or on blocks where it was placed last, shall be lifted a little and weighed; in Ready, in a survey. To be given again within `timeouts.enable`.
     Weigh,
     /// Every cable is slack: what do the load cells say; in Homing, in a survey.
@@ -88,6 +94,7 @@ impl fmt::Display for OperatorCommand {
             Self::Shutdown => f.write_str("shutdown"),
             Self::Lower => f.write_str("lower"),
             Self::Pull(cable) => write!(f, "pull {}", cable + 1),
+            Self::Jog(cable, direction) => write!(f, "jog {} {direction}", cable + 1),
             Self::Weigh => f.write_str("weigh"),
             Self::Zero => f.write_str("zero"),
             Self::TryWatchdog => f.write_str("watchdog"),
@@ -112,6 +119,12 @@ pub enum Refusal {
         command: OperatorCommand,
         /// What the bridge is doing.
         state: State,
+    },
+    /// In a survey no pull has shown what the motor does.
+    #[error("which way the motor of cable {cable} turns is not known: pull {cable} first")]
+    DirectionUnknown {
+        /// From 1.
+        cable: usize,
     },
     /// Enable has been pressed since before it was possible, or home since it was not given in time.
     #[error("it is still pressed from before: release it first")]
@@ -167,6 +180,12 @@ pub enum Cause {
     Fault(Fault),
     /// The platform was let down and stands.
     Landed,
+    /// A cable that was hauled in is taut.
+    Taut,
+    /// A cable that was jogged was faster than `limits.cable_speed`.
+    TooFast,
+    /// A cable that was jogged went the other way.
+    WrongWay,
 }
 
 impl fmt::Display for Cause {
@@ -178,6 +197,11 @@ impl fmt::Display for Cause {
             Self::Reset => f.write_str("everything is to be set up anew"),
             Self::Shutdown => f.write_str("the program ends"),
             Self::Landed => f.write_str("the platform stands"),
+            Self::Taut => f.write_str("the motor pulls with slack.pretension and nothing moves"),
+            Self::TooFast => f.write_str("the cable was faster than limits.cable_speed"),
+            Self::WrongWay => f.write_str(
+                "its encoder says that the cable went the other way: somebody moved the platform, or a sign is wrong",
+            ),
             Self::Fault(fault) => fault.fmt(f),
         }
     }
@@ -205,6 +229,15 @@ pub enum Event {
         /// By how much each encoder says that its cable came in, m.
         came_in: PerCable<f64>,
     },
+    /// A cable was hauled in or paid out.
+    Jogged {
+        /// From 0.
+        cable: usize,
+        /// By how much its encoder says that it came in, m.
+        came_in: f64,
+        /// What its load cell said at last, N.
+        measured: f64,
+    },
     /// The platform was lifted, and its load cells read at rest.
     Weighed {
         /// That they carry, kg.
@@ -222,7 +255,9 @@ pub enum Event {
     NotLifted,
     /// What each load cell said of a slack cable, N, in the mean.
     Zeroed(PerCable<f64>),
-    /// Every drive left Operation enabled by itself when nothing was sent any more.
+    /// What each drive did when nothing was sent any more.
+    WatchdogTried(PerCable<AfterSilence>),
+    /// Every drive left Operation enabled by itself then.
     WatchdogProved,
     /// A node's emergency message, also one that says that an error is gone.
     Emergency(Emergency),

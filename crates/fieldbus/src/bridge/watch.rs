@@ -1,6 +1,6 @@
 //! What a cycle reads off drives, load cells and nodes, what the controller makes of it, and what is wrong with either.
 
-use super::{Bridge, Fault, Mode};
+use super::{Bridge, Fault, Mode, Trial};
 use crate::cia402::DriveState;
 use crate::config::Limits;
 use cable_robot::plan::ControllerInputs;
@@ -8,6 +8,45 @@ use cable_robot::robot::{PerCable, forward_kinematics};
 use cable_robot::sim::ControllerModel;
 
 impl Bridge {
+    /// Whether cables may be under tension by the bridge's doing.
+    pub(super) fn is_active(&self) -> bool {
+        let is_on_the_way = matches!(
+            self.mode,
+            Mode::TakingUpSlack { .. }
+                | Mode::Stopping { .. }
+                | Mode::Safe(_)
+                | Mode::Trying(Trial::Pull { .. })
+                | Mode::Jogging(_)
+        );
+        is_on_the_way || self.is_pulling()
+    }
+
+    /// Whether the drives are to be in Operation enabled by now.
+    pub(super) fn is_pulling(&self) -> bool {
+        match self.mode {
+            Mode::TakingUpSlack { step, .. } => step.is_some(),
+            Mode::Ready | Mode::Enabled { .. } | Mode::Lowering { .. } => true,
+            Mode::Trying(trial) => trial.is_lift(),
+            Mode::Stopping { to, .. } | Mode::Safe(to) | Mode::Fault(to) => to.is_some(),
+            Mode::Listening { .. }
+            | Mode::Quieting { .. }
+            | Mode::Configuring
+            | Mode::Homing { .. }
+            | Mode::Jogging(_)
+            | Mode::Off
+            | Mode::Shadow { .. } => false,
+        }
+    }
+
+    /// Whether the drive of a cable (from 0) is, alone or with all.
+    pub(super) fn is_led(&self, cable: usize) -> bool {
+        match self.mode {
+            Mode::Jogging(jog) => jog.is_led(cable),
+            Mode::Trying(Trial::Pull { cable: pulling, begun: Some(_), .. }) => cable == pulling,
+            _ => self.is_pulling(),
+        }
+    }
+
     /// Encoders and load cells of this cycle.
     pub(super) fn measure(&mut self) {
         let (mut limits, time, commanded) = (self.config.limits, self.time, self.commanded);
@@ -92,10 +131,10 @@ impl Bridge {
     }
 
     pub(super) fn watch_drives(&mut self) {
-        if !self.is_pulling() {
-            return;
-        }
         for i in 0..self.cables() {
+            if !self.is_led(i) {
+                continue;
+            }
             let node = self.config.drives[i].node;
             match self.drives[i].state {
                 Some(DriveState::OperationEnabled) | None => {}

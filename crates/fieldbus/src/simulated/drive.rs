@@ -44,6 +44,10 @@ pub struct DriveFaults {
     pub is_local: bool,
     /// It goes on when its master and its torque frames are missing.
     pub ignores_watchdog: bool,
+    /// Its power stage takes so long to switch on, and as long to enable, in ns.
+    pub slow_stage: Nanoseconds,
+    /// It boots anew when its master is missing.
+    pub boots_without_master: bool,
     /// Its hardware enable is taken away: no higher than Switched on.
     pub is_blocked: bool,
 }
@@ -64,6 +68,8 @@ pub struct SimulatedDrive {
     /// When the target was taken over.
     commanded: Nanoseconds,
     stopping_since: Nanoseconds,
+    /// Since when its power stage is on its way up.
+    rising_since: Option<Nanoseconds>,
     counts: i32,
     /// What its motor gives, behind what it is to give by the motors' lag, ‰ of the rated torque.
     actual: f64,
@@ -104,6 +110,7 @@ impl SimulatedDrive {
             waiting: None,
             commanded: 0,
             stopping_since: 0,
+            rising_since: None,
             counts: 0,
             actual: 0.0,
         }
@@ -240,7 +247,7 @@ impl SimulatedDrive {
         let reset_rises = word & !self.word & control::FAULT_RESET != 0;
         self.word = word;
         let (voltage, quick_stop) = (word & 0b0010 != 0, word & 0b0100 == 0);
-        self.state = match (self.state, word & 0b1111) {
+        let next = match (self.state, word & 0b1111) {
             (Fault, _) if reset_rises => SwitchOnDisabled,
             (Fault | FaultReactionActive | NotReadyToSwitchOn, _) => self.state,
             (_, _) if !voltage => SwitchOnDisabled,
@@ -256,11 +263,25 @@ impl SimulatedDrive {
             (SwitchedOn, 0b1111) => OperationEnabled,
             (state, _) => state,
         };
+        let rises =
+            matches!((self.state, next), (ReadyToSwitchOn, SwitchedOn) | (SwitchedOn, OperationEnabled));
+        let begun = *self.rising_since.get_or_insert(now);
+        if rises && now.saturating_sub(begun) < self.faults.slow_stage {
+            return;
+        }
+        (self.state, self.rising_since) = (next, None);
     }
 
     pub(super) fn tick(&mut self, now: Nanoseconds, out: &mut Vec<Frame>) {
         self.node.tick(now, out);
         let misses_frames = self.node.misses_frames(now);
+        let has_lost_master = self.node.has_lost_master(now);
+        if has_lost_master {
+            self.node.miss_master();
+        }
+        if self.faults.boots_without_master && has_lost_master && self.state == DriveState::OperationEnabled {
+            return self.reboot(now);
+        }
         if self.state == DriveState::OperationEnabled {
             if self.faults.ignores_watchdog {
                 return;
@@ -268,7 +289,7 @@ impl SimulatedDrive {
             if misses_frames {
                 self.fail(RECEIVE_ERROR, out);
             }
-            if self.node.has_lost_master(now) {
+            if has_lost_master {
                 self.fail(HEARTBEAT_ERROR, out);
             } else if self.node.state() == NmtState::Stopped {
                 self.fail(COMMUNICATION_ERROR, out);

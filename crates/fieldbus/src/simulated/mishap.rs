@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::{CellFault, Link, LinkFaults, SimulatedRig};
 use crate::Nanoseconds;
-use crate::canopen::{NmtCommand, Object};
+use crate::canopen::{NmtCommand, NmtState, Object};
 use crate::frame::Frame;
 
 /// The grammar, for people.
@@ -36,6 +36,10 @@ drive N limited                an internal limit holds back half of its torque, 
 drive N local                  obeys somebody else, and says so (status bit 9)
 drive N blocked                its hardware enable is taken away: falls to Switched on
 drive N ignores-watchdog       pulls on when nobody commands it any more
+drive N leaves-operational     goes to Pre-operational when nobody commands it any more, as CiA 301 has it (0x1029)
+drive N stops-itself           goes to Stopped then, and answers no question
+drive N boots-anew             boots anew then
+drive N slow-stage 100         its power stage takes so many ms to switch on, and as many to enable
 drive N refuses-mode           never shows mode 10
 drive N refuses 0x6072 0x06090031  to have an object (0x6072, 0x1400:5) written, with this abort code
 cell N silent                  sends no process data
@@ -97,6 +101,10 @@ pub enum DriveMishap {
     Local,
     Blocked,
     IgnoresWatchdog,
+    LeavesOperational,
+    StopsItself,
+    BootsAnew,
+    SlowStage(Nanoseconds),
     RefusesMode,
     Refuses(Object, u32),
     Well,
@@ -179,6 +187,10 @@ fn drive_mishap(words: &[&str]) -> Option<DriveMishap> {
         ["local"] => DriveMishap::Local,
         ["blocked"] => DriveMishap::Blocked,
         ["ignores-watchdog"] => DriveMishap::IgnoresWatchdog,
+        ["leaves-operational"] => DriveMishap::LeavesOperational,
+        ["stops-itself"] => DriveMishap::StopsItself,
+        ["boots-anew"] => DriveMishap::BootsAnew,
+        ["slow-stage", time] => DriveMishap::SlowStage((milli(time)? * 1e9) as Nanoseconds),
         ["refuses-mode"] => DriveMishap::RefusesMode,
         ["refuses", index, code] => DriveMishap::Refuses(object(index)?, hexadecimal(code)?),
         ["well"] => DriveMishap::Well,
@@ -336,6 +348,12 @@ impl SimulatedRig {
             DriveMishap::Local => drive.faults.is_local = true,
             DriveMishap::Blocked => drive.faults.is_blocked = true,
             DriveMishap::IgnoresWatchdog => drive.faults.ignores_watchdog = true,
+            DriveMishap::LeavesOperational => {
+                drive.node.faults.without_master = Some(NmtState::PreOperational);
+            }
+            DriveMishap::StopsItself => drive.node.faults.without_master = Some(NmtState::Stopped),
+            DriveMishap::BootsAnew => drive.faults.boots_without_master = true,
+            DriveMishap::SlowStage(time) => drive.faults.slow_stage = time,
             DriveMishap::RefusesMode => drive.faults.refuses_mode = true,
             DriveMishap::Refuses(object, code) => drive.node.faults.refuses = Some((object, code)),
             DriveMishap::Well => (drive.faults, drive.node.faults) = Default::default(),

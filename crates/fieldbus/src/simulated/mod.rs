@@ -126,6 +126,11 @@ impl SimulatedRig {
         self.support
     }
 
+    /// How much cable each winch has let go of, m: as long as the straight line is, or longer.
+    pub fn paid_out(&self) -> PerCable<f64> {
+        PerCable::from_fn(self.drives.len(), |i| self.windings[i].paid_out)
+    }
+
     /// What the motors pull, N; nothing in a slack cable.
     pub fn motor_tension(&self) -> PerCable<f64> {
         PerCable::from_fn(self.drives.len(), |i| self.windings[i].tension(self.drives[i].tension()))

@@ -36,6 +36,8 @@ pub struct NodeFaults {
     pub slow: Nanoseconds,
     /// It says so twice, as after a reset of its own application.
     pub boots_twice: bool,
+    /// Where its error behaviour (0x1029) takes it from Operational when its master is missing.
+    pub without_master: Option<NmtState>,
     /// It refuses to have this object written, with this abort code.
     pub refuses: Option<(Object, u32)>,
 }
@@ -156,7 +158,8 @@ impl SimulatedNode {
             return None;
         }
         if let Some((node, request)) = SdoRequest::parse(frame) {
-            return if node == self.node { self.on_request(request, out) } else { None };
+            let is_heard = node == self.node && self.state != NmtState::Stopped;
+            return if is_heard { self.on_request(request, out) } else { None };
         }
         let is_operational = self.state == NmtState::Operational;
         let receive = self.pdo(Direction::Receive);
@@ -299,6 +302,13 @@ impl SimulatedNode {
         let patience = Nanoseconds::from(self.get(Object::new(0x1016, 1)) & 0xFFFF) * 1_000_000;
         let silence = self.master_heard.map_or(0, |heard| now.saturating_sub(heard));
         patience > 0 && silence > patience
+    }
+
+    /// Leaves Operational, if it is to when its master is missing.
+    pub(super) fn miss_master(&mut self) {
+        if let (NmtState::Operational, Some(state)) = (self.state, self.faults.without_master) {
+            self.state = state;
+        }
     }
 
     /// Whether its receive PDO, which came before, has not come within its deadline (0x1400:5). Said once.

@@ -105,8 +105,8 @@ fn number(state: State) -> i32 {
         State::Stopping => 6,
         State::Safe => 7,
         State::Lowering => 9,
-        // The others are for other programs: one that makes a survey, one that is shut down, one that only looks on.
-        State::Fault | State::Trying | State::Off | State::Shadow => 8,
+        // The others are for other programs: one that makes a survey or jogs, one that is shut down, one that only looks on.
+        State::Fault | State::Trying | State::Jogging | State::Off | State::Shadow => 8,
     }
 }
 
@@ -121,9 +121,11 @@ fn report(log: &Log, time: u64, event: &Event) {
         // A node of an FMU makes no survey.
         Event::Placed(..)
         | Event::Pulled { .. }
+        | Event::Jogged { .. }
         | Event::Zeroed(_)
         | Event::Weighed { .. }
         | Event::NotLifted
+        | Event::WatchdogTried(_)
         | Event::WatchdogProved => return,
         Event::Stopped(cause) => (Category::Events, format!("the controller's tensions ended: {cause}")),
         Event::LetGo(cause) => (Category::Events, format!("the motors are off, on the stand: {cause}")),

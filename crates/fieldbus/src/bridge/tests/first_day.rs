@@ -199,20 +199,74 @@ fn home_that_is_not_given_again_stops_the_motors_and_one_that_comes_late_starts_
     assert!(bench.take_up_slack(), "{:?}", bench.events);
 }
 
+/// The operator holds home for as long as it is taken. All torques that were commanded meanwhile, and the fault if there was one.
+fn hold_home(bench: &mut Bench) -> (Vec<PerCable<i16>>, Option<Fault>) {
+    let mut torques = vec![];
+    while bench.bridge.operator(OperatorCommand::Home, bench.now).is_ok()
+        && bench.bridge.state() == State::TakingUpSlack
+    {
+        torques.push(bench.cycle().target_torque);
+    }
+    (torques, bench.bridge.fault)
+}
+
+fn is_slow(fault: Option<Fault>) -> bool {
+    matches!(fault, Some(Fault::SlowReaction { node: 1, most: 20_000_000, .. }))
+}
+
 #[test]
-fn a_link_with_a_constant_delay_is_refused_before_the_lift() {
-    for (each_way, is_late) in [(0, false), (4, false), (15, true), (50, true)] {
+fn a_link_with_a_constant_delay_is_refused_before_any_torque() {
+    for (each_way, is_late) in [(0, false), (4, false), (15, true), (30, true), (50, true)] {
         let mut bench = as_said();
         bench.suffer(&format!("delay {each_way}")).unwrap();
-        let is_started = bench.start();
-        println!("{each_way} ms each way: {:?}", bench.bridge.fault);
+        let mut bench = at_homing(bench);
+        let (torques, fault) = hold_home(&mut bench);
+        println!("{each_way} ms each way: {fault:?}");
         if is_late {
-            assert!(matches!(bench.bridge.fault, Some(Fault::Late { .. })), "{:?}", bench.events);
-            assert_eq!(bench.rig.support(), Support::Stand);
+            assert!(is_slow(fault), "{:?}", bench.events);
+            let text = fault.unwrap().to_string();
+            let there_and_back = 4 * (2 * each_way as u64).div_ceil(4);
+            let said = format!("drive 1 shows what a control word does {there_and_back}.0 ms after it");
+            assert!(text.starts_with(&said) && text.contains("at most 20.0 ms"), "{text}");
+            assert!(torques.iter().all(|torques| torques.iter().all(|torque| *torque == 0)));
         } else {
-            assert!(is_started, "{each_way} ms: {:?}", bench.events);
+            assert_eq!((bench.bridge.state(), fault), (State::Ready, None), "{:?}", bench.events);
         }
     }
+}
+
+#[test]
+fn a_link_that_became_slow_is_refused_when_drives_are_led_up_again() {
+    let mut bench = at_homing(as_said());
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+    bench.bridge.operator(OperatorCommand::Release, bench.now).unwrap();
+    bench.run(1.0);
+    bench.suffer("delay 15").unwrap();
+    bench.run(1.0);
+    let (torques, fault) = hold_home(&mut bench);
+    assert!(is_slow(fault), "{:?}", bench.events);
+    assert!(torques.iter().all(|torques| torques.iter().all(|torque| *torque == 0)));
+}
+
+/// Of healthy drives only the quickest transition tells the age of what is on the wire.
+#[test]
+fn a_slow_power_stage_is_no_slow_link() {
+    for words in ["drive 1 slow-stage 100", "drive 4 slow-stage 400"] {
+        let mut bench = as_said();
+        bench.suffer(words).unwrap();
+        let mut bench = at_homing(bench);
+        let (_, fault) = hold_home(&mut bench);
+        assert_eq!((bench.bridge.state(), fault), (State::Ready, None), "{words}: {:?}", bench.events);
+    }
+}
+
+#[test]
+fn a_motor_that_follows_late_on_a_quick_link_is_refused_before_the_lift() {
+    let imperfections = PlantParameters { motor_lag: 0.03, ..PlantParameters::default() };
+    let mut bench = Bench::new(config(), imperfections).unwrap();
+    assert!(!bench.start());
+    assert!(matches!(bench.bridge.fault, Some(Fault::Late { .. })), "{:?}", bench.events);
+    assert_eq!(bench.rig.support(), Support::Stand);
 }
 
 /// Of a rig whose platform weighs this: the fault if there was one, and how far the platform went from where it was led.

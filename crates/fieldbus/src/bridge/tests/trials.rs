@@ -73,6 +73,20 @@ fn a_pull_ends_when_the_button_is_let_go_or_not_given_again() {
     }
 }
 
+/// The drive was led up again and again, and the pull ended as one that moves nothing.
+#[test]
+fn a_drive_that_fails_while_it_pulls_is_a_fault() {
+    for words in ["drive 3 fault", "drive 3 emcy 0x2310", "drive 3 blocked", "drive 3 ignores-torque"] {
+        let mut bench = survey(&["cable 3 slack 0"]);
+        bench.bridge.operator(OperatorCommand::Pull(2), bench.now).unwrap();
+        bench.run(0.15);
+        bench.suffer(words).unwrap();
+        bench.run(0.1);
+        assert_eq!(bench.bridge.state(), State::Fault, "{words}: {:?}", bench.events);
+        assert_eq!(bench.rig.drives[2].tension(), 0.0, "{words}");
+    }
+}
+
 #[test]
 fn a_pull_and_the_watchdogs_trial_are_refused_outside_of_a_survey() {
     let mut bench = bench();
@@ -119,9 +133,60 @@ fn a_drive_that_goes_on_without_the_bridge_is_named() {
     let mut bench = survey(&["drive 4 ignores-watchdog"]);
     bench.bridge.operator(OperatorCommand::TryWatchdog, bench.now).unwrap();
     assert!(bench.run_until(State::Fault, 5.0), "{:?}", bench.events);
-    assert_eq!(bench.bridge.fault(), Some(Fault::WatchdogIgnored { node: 4 }));
+    let fault = bench.bridge.fault();
+    assert!(matches!(fault, Some(Fault::WatchdogIgnored { node: 4, .. })), "{fault:?}");
+    assert!(
+        fault.unwrap().to_string().contains("(\"Operation enabled\", NMT Operational, no EMCY)"),
+        "{fault:?}"
+    );
     bench.run(0.1);
     assert!(bench.rig.drives.iter().all(|drive| drive.tension() == 0.0));
+}
+
+/// What was found of each drive, in words, and how the trial ended.
+fn after_silence(mishaps: &[&str]) -> (PerCable<AfterSilence>, Bench) {
+    let mut bench = survey(mishaps);
+    bench.bridge.operator(OperatorCommand::TryWatchdog, bench.now).unwrap();
+    while bench.bridge.state() == State::Trying {
+        bench.cycle();
+    }
+    let found = bench.events.iter().find_map(|(_, event)| match event {
+        Event::WatchdogTried(found) => Some(*found),
+        _ => None,
+    });
+    (found.unwrap_or_else(|| panic!("{:?}", bench.events)), bench)
+}
+
+/// As CiA 301 has it a node leaves Operational when its master is missing, and some drives start again: that was a fault of the node,
+/// and the drives were not judged.
+#[test]
+fn drives_that_leave_operational_stop_or_boot_anew_in_silence_are_judged_and_pass() {
+    let mishaps = ["drive 2 leaves-operational", "drive 3 stops-itself", "drive 5 boots-anew"];
+    let (found, mut bench) = after_silence(&mishaps);
+    let heartbeat = "EMCY 0x8130 (life guard or heartbeat error), error register 0x01";
+    let expected = [
+        format!("\"Fault\", NMT Operational, {heartbeat}"),
+        format!("\"Fault\", NMT Pre-operational, {heartbeat}"),
+        format!("\"Fault\", NMT Stopped, {heartbeat}"),
+        format!("\"Fault\", NMT Operational, {heartbeat}"),
+        "\"Switch on disabled\", NMT Initialisation, no EMCY".to_owned(),
+        format!("\"Fault\", NMT Operational, {heartbeat}"),
+    ];
+    let found: Vec<_> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(found, expected);
+    assert!(bench.events.iter().any(|(_, event)| *event == Event::WatchdogProved), "{:?}", bench.events);
+    assert_eq!(bench.bridge.fault(), None);
+    assert!(bench.run_until(State::Homing, 20.0), "{:?}", bench.events);
+    bench.run(0.5);
+    assert!(bench.take_up_slack(), "{:?}", bench.events);
+}
+
+#[test]
+fn a_drive_that_leaves_operational_and_pulls_on_is_named_with_its_nmt_state() {
+    let (_, bench) = after_silence(&["drive 4 leaves-operational", "drive 4 ignores-watchdog"]);
+    let text = bench.bridge.fault().unwrap().to_string();
+    assert!(text.contains("drive 4 goes on"), "{text}");
+    assert!(text.contains("(\"Operation enabled\", NMT Pre-operational, no EMCY)"), "{text}");
 }
 
 /// As if the bridge had been killed: not a frame.
