@@ -1,21 +1,20 @@
 //! `cable-robot certify`: a proof for one step of any rig, or where it fails.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use cable_robot::control::Gains;
 use cable_robot::plan::extremes::{TensionAt, extremes_from};
 use cable_robot::plan::{ControllerParameters, Planner};
-use cable_robot::reach::certificate::{Cause, Margins, Proof, Step, Verdict, certify_with_margins, prove};
+use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
 use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose, Rig};
-use cable_robot_report::files::{probe, write_whole};
+use cable_robot_report::files::probe;
 use clap::{Args, ValueHint};
 use serde_json::json;
 
 use crate::arguments::{bound, pose, rates, share};
 use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json, proof, say};
+use crate::{Outcome, print, print_json, proof};
 
 /// What a proof file of this version cannot say.
 const NO_MARGINS: &str = "a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
@@ -85,9 +84,7 @@ impl Certify {
             Some(path) => {
                 ensure!(has_none, "--proof: {NO_MARGINS}");
                 probe(path)?;
-                let (verdict, proof) = prove(&file.rig, &step)?;
-                write(path, &file.rig, &step, proof.as_ref())?;
-                verdict
+                proof::write(path, &file.rig, &step)?
             }
         };
         let verdict = earliest(&file.rig, &step, decided);
@@ -160,18 +157,6 @@ impl Certify {
             }
         })
     }
-}
-
-/// Writes a proof file and says so; or that there is none.
-fn write(path: &Path, rig: &Rig, step: &Step, proof: Option<&Proof>) -> Result<()> {
-    let Some(proof) = proof else {
-        say(format_args!("{} is not written: nothing is proved", path.display()));
-        return Ok(());
-    };
-    let file = proof::file(rig, step, proof)?;
-    write_whole(path, |writer| writer.write_all(&file.text))?;
-    say(format_args!("{}: proof for the step with SHA-256 {}", path.display(), file.sha256));
-    Ok(())
 }
 
 /// A proof that a limit is broken may be of a late instant. If it is broken before, the first instant seen of that.

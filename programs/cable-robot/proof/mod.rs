@@ -4,12 +4,17 @@ mod document;
 mod layout;
 mod number;
 
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Result;
 use cable_robot::reach::certificate::motion::Span;
 use cable_robot::reach::certificate::proof::ProvedSpan;
 use cable_robot::reach::certificate::statics::Solved;
 use cable_robot::reach::certificate::taylor::Taylor;
-use cable_robot::reach::certificate::{Proof, Step};
+use cable_robot::reach::certificate::{Proof, Step, Verdict, prove};
 use cable_robot::robot::{Cable, Rig};
+use cable_robot_report::files::write_whole;
 use schemars::{Schema, schema_for};
 use sha2::{Digest, Sha256};
 
@@ -20,11 +25,13 @@ use document::{
 use layout::laid_out;
 use number::Number;
 
+use crate::say;
+
 /// A proof file, to be written.
-pub struct File {
-    pub text: Vec<u8>,
+struct File {
+    text: Vec<u8>,
     /// Of the problem.
-    pub sha256: String,
+    sha256: String,
 }
 
 /// JSON Schema of proof files.
@@ -32,8 +39,22 @@ pub fn schema() -> Schema {
     schema_for!(Document)
 }
 
+/// Decides a step, writes what proves the verdict and says so; or that nothing is proved.
+pub fn write(path: &Path, rig: &Rig, step: &Step) -> Result<Verdict> {
+    let (verdict, proof) = prove(rig, step)?;
+    match proof {
+        Some(proof) => {
+            let File { text, sha256 } = file(rig, step, &proof)?;
+            write_whole(path, |writer| writer.write_all(&text))?;
+            say(format_args!("{}: proof of the problem with SHA-256 {sha256}", path.display()));
+        }
+        None => say(format_args!("{} is not written: nothing is proved", path.display())),
+    }
+    Ok(verdict)
+}
+
 /// What proves the verdict about a step.
-pub fn file(rig: &Rig, step: &Step, proof: &Proof) -> serde_json::Result<File> {
+fn file(rig: &Rig, step: &Step, proof: &Proof) -> serde_json::Result<File> {
     let problem = problem(rig, step);
     let sha256 = digest(&problem)?;
     let verdict = if matches!(proof, Proof::Admissible(_)) { ADMISSIBLE } else { NOT_ADMISSIBLE };

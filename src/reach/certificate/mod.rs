@@ -174,10 +174,7 @@ fn closed_form(
         search::cover(step, spans, |span| {
             redundant::look(rig, limits, &step.motion(span, &tube), (span, 1.0), |_, shared, _| {
                 range.include(&shared.tension, 0.0);
-                shown(
-                    span,
-                    Shown { tension: &shared.tension, solved: &shared.solved, shared: Some(shared) },
-                );
+                shown(span, Shown { tension: &shared.tension, solved: &shared.solved, shared: Some(shared) });
             })
         })?;
     }

@@ -283,8 +283,7 @@ mod tests {
         let (rig, span) = (eight(), Span::Between(0.2, 0.4));
         let over = system(&rig, &STEP, span);
         // Any tensions in the middle will do, also such as do not give the wrench there.
-        let found =
-            extended(&over, &[40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0]).unwrap().tension;
+        let found = extended(&over, &[40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0]).unwrap().tension;
         for tau in [-1.0, -0.5, 0.0, 0.3, 1.0] {
             let time = span.time(tau);
             let (matrix, wrench) = middle(&system(&rig, &STEP, Span::Between(time, time)));

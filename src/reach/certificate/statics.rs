@@ -357,8 +357,7 @@ pub fn solve(matrix: &[[Taylor; SIX]; 6], wrench: &[Taylor; 6]) -> Option<Solved
         return None;
     }
     let apart = greatest(&residual) / (1.0 - rho) * ROUND_UP;
-    let unknowns =
-        std::array::from_fn(|k| near[k].widened((residual[k] + distance[k] * apart) * ROUND_UP));
+    let unknowns = std::array::from_fn(|k| near[k].widened((residual[k] + distance[k] * apart) * ROUND_UP));
     Some(Solved { inverse, unknowns })
 }
 
