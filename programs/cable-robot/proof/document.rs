@@ -32,19 +32,19 @@ pub struct Document {
     /// `admissible` or `not admissible`.
     pub verdict: &'static str,
     /// Admissible: lower bound of all tensions for all time, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Number")]
     pub least: Option<Number>,
     /// Admissible: upper bound of all tensions for all time, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Number")]
     pub greatest: Option<Number>,
     /// Admissible: cover all time.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<SpanEntry>", length(min = 1))]
     pub spans: Option<Vec<SpanEntry>>,
     /// Not admissible: when no tensions within the limits do it.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "InstantEntry")]
     pub instant: Option<InstantEntry>,
 }
@@ -90,7 +90,7 @@ pub struct CableEntry {
     #[schemars(with = "Limit")]
     pub greatest: Number,
     /// The swivelling pulley at the anchor.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "PulleyEntry")]
     pub pulley: Option<PulleyEntry>,
 }
@@ -128,15 +128,15 @@ pub struct SpanEntry {
     /// s.
     pub from: Number,
     /// s; not of the last span, which has no end.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Number")]
     pub to: Option<Number>,
     /// More than six cables: σ, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<Number>")]
     pub base: Option<Vec<Number>>,
     /// More than six cables: B.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<[Number; 6]>")]
     pub basis: Option<Vec<[Number; 6]>>,
     /// C.
