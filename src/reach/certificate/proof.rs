@@ -130,7 +130,7 @@ mod tests {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(15);
         (0..count).map(move |case| {
             let file = &rigs[case % 2];
-            let size = file.rig.radius() * 0.15;
+            let size = file.rig.radius() * 0.5;
             let mut any = |size: f64| rng.random_range(-size..size);
             let mut pose = || {
                 let turned = [0.15; 3].map(&mut any);
