@@ -73,7 +73,7 @@ impl Seen {
         let [finding, proving] =
             [&mut self.finding, &mut self.proving].map(|times| 1e6 * median(times).as_secs_f64());
         format!(
-            "{} proofs, {} undecided; {:.1} kB in the median, {:.1} kB at most; finding {finding:.0} us, finding and writing {proving:.0} us in the median",
+            "{} proofs, {} undecided; {:.1} kB in the median, {:.1} kB at most; finding {finding:.0} µs, finding and writing {proving:.0} µs in the median",
             self.bytes.len(),
             self.undecided,
             1e-3 * median(&mut self.bytes) as f64,
