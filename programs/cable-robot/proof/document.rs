@@ -167,7 +167,7 @@ pub enum InstantEntry {
         #[schemars(range(min = 1, max = 6))]
         cable: usize,
         /// C.
-        inverse: [[Number; 6]; 6],
+        inverse: Box<[[Number; 6]; 6]>,
         /// Tensions over lengths, N/m.
         solution: [[Number; 1]; 6],
         /// How far they are from that at most.

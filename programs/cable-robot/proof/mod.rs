@@ -79,7 +79,7 @@ pub fn document(rig: &Rig, step: &Step, proof: &Proof) -> serde_json::Result<Doc
             document.instant = Some(InstantEntry::OfCable {
                 time: Number(*time),
                 cable: *cable,
-                inverse: inverse(solved),
+                inverse: Box::new(inverse(solved)),
                 solution: solved.unknowns.map(|unknown| [Number(unknown.coefficients[0])]),
                 error: error(solved),
                 least: Number(*least),

@@ -97,7 +97,7 @@ fn any_step(rng: &mut Pcg64) -> (Rig, Step) {
 
 /// Any step of any rig of six cables, or of one near the bundled rig of eight; each fourth has pulleys.
 pub fn any_problem(rng: &mut Pcg64, case: u64) -> (Rig, Step) {
-    let (mut rig, step) = if case % 2 == 0 { any_step(rng) } else { step_of_eight(rng) };
+    let (mut rig, step) = if case.is_multiple_of(2) { any_step(rng) } else { step_of_eight(rng) };
     if case % 8 < 2 {
         let radius = rng.random_range(0.01..0.05) * rig.radius();
         for cable in rig.cables.iter_mut() {

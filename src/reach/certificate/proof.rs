@@ -21,7 +21,7 @@ pub enum Proof {
         /// When, s after the step.
         time: f64,
         /// Tensions over lengths then, N/m.
-        solved: Solved,
+        solved: Box<Solved>,
         /// Bounds of this cable's tension then, N.
         bounds: [f64; 2],
     },
@@ -105,7 +105,7 @@ fn in_order(spans: Vec<ProvedSpan>) -> Vec<ProvedSpan> {
 fn beyond(rig: &Rig, step: &Step, cable: usize, time: f64) -> Option<Proof> {
     let cables = cables(rig, &step.motion(Span::Between(time, time), &Tube::empty()))?;
     let bounds = cables.tension[cable - 1].range();
-    Some(Proof::NotAdmissible { cable, time, solved: cables.solved, bounds })
+    Some(Proof::NotAdmissible { cable, time, solved: Box::new(cables.solved), bounds })
 }
 
 fn none_keeps(rig: &Rig, step: &Step, time: f64, shortfall: f64) -> Option<Proof> {
