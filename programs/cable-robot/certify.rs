@@ -1,23 +1,30 @@
 //! `cable-robot certify`: a proof for one step of any rig, or where it fails.
 
-use anyhow::Result;
+use std::path::PathBuf;
+
+use anyhow::{Result, ensure};
 use cable_robot::control::Gains;
 use cable_robot::plan::extremes::{TensionAt, extremes_from};
 use cable_robot::plan::{ControllerParameters, Planner};
 use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_with_margins};
 use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose, Rig};
-use clap::Args;
+use cable_robot_report::files::probe;
+use clap::{Args, ValueHint};
 use serde_json::json;
 
 use crate::arguments::{bound, pose, rates, share};
 use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json};
+use crate::{Outcome, print, print_json, proof};
+
+/// What a proof file of this version cannot say.
+const NO_MARGINS: &str = "a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
+the accuracy of a rig file unless --accuracy 0 leaves it out";
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot certify --from 0,0,1 --to 0.1,0.05,0.9,0.05,0,0.1
          cable-robot certify --from 0,0,1 --to 0.1,0,1 --mass-error 0.005 --force 0.2 --sample-period 0.001
          cable-robot certify --rig rigs/eight.toml --from 0,0,2 --to 0.5,0.3,1.8,0,0.1,0.2
-Errors, disturbances, friction, sample period and delay need a rig of six cables.
+         cable-robot certify --from 0,0,1 --to 0.1,0,1 --proof step.proof.json     (why it is so, to be checked: docs/proof.md)
 Exit code 3: not proved. The certificate never says \"admissible\" of a step that is not.";
 
 #[derive(Args)]
@@ -57,6 +64,9 @@ pub struct Certify {
     /// Age of the pose and velocity that a command is computed from, s
     #[arg(long, default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     delay: f64,
+    /// Writes what proves the verdict, for anyone to check
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    proof: Option<PathBuf>,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -67,14 +77,21 @@ impl Certify {
         let file = self.rig.read()?;
         let gains = Gains { lambda: file.lambda, eta: file.eta };
         let step = Step { start: self.from, rates: self.rates, set_point: self.to, gains };
-        let verdict =
-            earliest(&file.rig, &step, certify_with_margins(&file.rig, &step, &self.margins(&file.rig))?);
+        let margins = self.margins(&file.rig);
+        let has_none = margins == Margins { law_margin: margins.law_margin, ..Margins::default() };
+        let decided = match &self.proof {
+            None => certify_with_margins(&file.rig, &step, &margins)?,
+            Some(path) => {
+                ensure!(has_none, "--proof: {NO_MARGINS}");
+                probe(path)?;
+                proof::write(path, &file.rig, &step)?
+            }
+        };
+        let verdict = earliest(&file.rig, &step, decided);
         if self.json {
             self.show_json(&verdict)?
         } else {
-            let margins = self.margins(&file.rig);
-            let is_any = margins == Margins { law_margin: margins.law_margin, ..Margins::default() };
-            self.show(&verdict, is_any && file.rig.cables.len() > LEAST_CABLES)?
+            self.show(&verdict, has_none && file.rig.cables.len() > LEAST_CABLES)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }

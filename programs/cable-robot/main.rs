@@ -11,6 +11,7 @@ mod orbit;
 mod picture;
 mod plan;
 mod progress;
+mod proof;
 mod reach;
 mod report;
 mod rig;

@@ -5,7 +5,7 @@ use cable_robot::robot::rig_file;
 use cable_robot::sim::scenario_file;
 use clap::{Args, ValueEnum};
 
-use crate::{Outcome, print_json};
+use crate::{Outcome, print_json, proof};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot schema rig
@@ -23,6 +23,8 @@ enum Kind {
     Rig,
     /// What `simulate` takes
     Scenario,
+    /// What `certify --proof` writes
+    Proof,
 }
 
 impl Schema {
@@ -30,6 +32,7 @@ impl Schema {
         print_json(&match self.of {
             Kind::Rig => rig_file::schema().to_value(),
             Kind::Scenario => scenario_file::schema().to_value(),
+            Kind::Proof => proof::schema().to_value(),
         })?;
         Ok(Outcome::Done)
     }

@@ -3,15 +3,19 @@
 mod show;
 mod through;
 
-use anyhow::{Result, ensure};
-use cable_robot::plan::PlannerKind;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
 use cable_robot::plan::sequence::Sequence;
-use cable_robot::robot::Pose;
-use clap::Args;
+use cable_robot::plan::{ControllerParameters, PlannerKind};
+use cable_robot::reach::certificate::Step;
+use cable_robot::robot::{Coordinates, Pose};
+use clap::{Args, ValueHint};
 
 use crate::arguments::{planner, pose};
 use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, print, print_json};
+use crate::{Outcome, print, print_json, proof};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
@@ -40,6 +44,9 @@ pub struct Plan {
     /// Greatest rate of a tension, N/s, 0 for no limit (planner minimum-time)
     #[arg(long, default_value_t = 0.0, value_name = "RATE")]
     max_tension_rate: f64,
+    /// Folder, new or empty, for what proves each step from rest at one set point to the next (planners bounded and exact)
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    proof: Option<PathBuf>,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -56,12 +63,20 @@ impl Plan {
         let (_, mut parameters) = self.rig.read_with_controller(planner)?;
         (parameters.lift, parameters.max_tension_rate) = (self.lift, self.max_tension_rate);
         parameters.validate()?;
+        ensure!(
+            self.proof.is_none() || parameters.planner != PlannerKind::MinimumTime,
+            "--proof is for --planner bounded and exact: a proof file holds a step of the law, not a motion in minimum time"
+        );
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;
         if !self.through.is_empty() {
             return through::run(self, &parameters);
         }
+        self.proof.as_deref().map_or(Ok(()), prepare)?;
         let planned = Sequence::new(&parameters, &self.from, &self.to)?;
+        if let Some(folder) = &self.proof {
+            self.prove(folder, &planned, &parameters)?;
+        }
         if self.json {
             print_json(&show::as_json(self, &planned, &parameters))?;
         } else {
@@ -73,4 +88,28 @@ impl Plan {
     fn is_turned(&self) -> bool {
         self.to.0.fixed_rows::<3>(3).amax() > 0.0
     }
+
+    /// Writes what proves each step into `folder`.
+    fn prove(&self, folder: &Path, planned: &Sequence, parameters: &ControllerParameters) -> Result<()> {
+        let mut start = self.from;
+        for (i, set_point) in planned.set_points.iter().copied().enumerate() {
+            let step = Step { start, rates: Coordinates::zeros(), set_point, gains: parameters.gains() };
+            proof::write(&folder.join(format!("step-{}.proof.json", i + 1)), &parameters.rig, &step)?;
+            start = set_point;
+        }
+        Ok(())
+    }
+}
+
+/// Makes a folder for proofs. Those of another plan must not be among them.
+fn prepare(folder: &Path) -> Result<()> {
+    let named = || format!("--proof {}", folder.display());
+    fs::create_dir_all(folder).with_context(named)?;
+    let is_empty = fs::read_dir(folder).with_context(named)?.next().is_none();
+    ensure!(
+        is_empty,
+        "--proof {}: the folder holds files already: a new or empty one is wanted",
+        folder.display()
+    );
+    Ok(())
 }

@@ -4,13 +4,15 @@ use cable_robot::control::response::instants;
 use cable_robot::control::{Gains, Response, static_margin, tensions};
 use cable_robot::reach::ExactDomain;
 use cable_robot::reach::certificate::{Step, Verdict, certify};
-use cable_robot::robot::{Coordinates, PerCable, Pose, Rig, RobotParameters, TensionLimits};
+use cable_robot::robot::{Coordinates, PerCable, Pose, Pulley, Rig, RigFile, RobotParameters, TensionLimits};
 use clap::ValueEnum;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::random_point;
+
+const EIGHT: &str = include_str!("../../../rigs/eight.toml");
 
 /// What says which steps are admissible.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -32,7 +34,11 @@ impl Domain {
     pub fn draw(self, rng: &mut Pcg64) -> Option<Case> {
         match self {
             Self::Exact => translation(rng),
-            Self::Certificate => any_step(rng),
+            Self::Certificate => {
+                let (rig, step) = any_step(rng);
+                let is_admissible = matches!(certify(&rig, &step), Ok(Verdict::Admissible { .. }));
+                is_admissible.then_some(Case { rig, step })
+            }
         }
     }
 }
@@ -64,7 +70,7 @@ fn translation(rng: &mut Pcg64) -> Option<Case> {
 
 /// Any step of any rig: the ends of the cables out of order and out of their planes, the centre of mass off, turning as well as
 /// moving from a start in motion.
-fn any_step(rng: &mut Pcg64) -> Option<Case> {
+fn any_step(rng: &mut Pcg64) -> (Rig, Step) {
     let robot = random_robot(rng);
     let mut rig = Rig::paper(&robot, random_limits(rng, &robot));
     let disorder = rng.random_range(0.0..0.5);
@@ -86,8 +92,41 @@ fn any_step(rng: &mut Pcg64) -> Option<Case> {
     let (start, set_point) = (pose(), pose());
     let mut rates = Coordinates::from_fn(|_, _| rng.random_range(-1.0..1.0)) * rng.random_range(0.0..0.7);
     rates.fixed_rows_mut::<3>(0).scale_mut(robot.a);
-    let step = Step { start, rates, set_point, gains: random_gains(rng, 0.5..6.0) };
-    matches!(certify(&rig, &step), Ok(Verdict::Admissible { .. })).then_some(Case { rig, step })
+    (rig, Step { start, rates, set_point, gains: random_gains(rng, 0.5..6.0) })
+}
+
+/// Any step of any rig of six cables, or of one near the bundled rig of eight; each fourth has pulleys.
+pub fn any_problem(rng: &mut Pcg64, case: u64) -> (Rig, Step) {
+    let (mut rig, step) = if case.is_multiple_of(2) { any_step(rng) } else { step_of_eight(rng) };
+    if case % 8 < 2 {
+        let radius = rng.random_range(0.01..0.05) * rig.radius();
+        for cable in rig.cables.iter_mut() {
+            let axis = rig.gravity.normalize() + Vector3::from_fn(|_, _| rng.random_range(-0.2..0.2));
+            cable.pulley = Some(Pulley { radius, axis: axis.normalize() });
+        }
+    }
+    (rig, step)
+}
+
+/// The bundled rig of eight cables with every number changed, and any step from a moving start.
+fn step_of_eight(rng: &mut Pcg64) -> (Rig, Step) {
+    let mut rig = RigFile::parse(EIGHT).expect("a test reads the file").rig;
+    let mut jitter = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
+    for cable in rig.cables.iter_mut() {
+        cable.anchor += jitter(0.2);
+        cable.attachment += jitter(0.05);
+    }
+    rig.mass *= rng.random_range(0.5..1.5);
+    rig.inertia = Matrix3::from_diagonal(&Vector3::from_fn(|_, _| rng.random_range(0.5..2.0)));
+    let limits = TensionLimits { min: rng.random_range(0.0..10.0), max: rng.random_range(150.0..400.0) };
+    let mut pose = || {
+        let mut q = Coordinates::from_fn(|k, _| if k < 3 { 1.1 } else { 0.25 } * rng.random_range(-1.0..1.0));
+        q[2] = 2.0 + 0.5 * q[2];
+        Pose(q)
+    };
+    let (start, set_point) = (pose(), pose());
+    let rates = Coordinates::from_fn(|_, _| rng.random_range(-0.3..0.3));
+    (rig.with_limits(limits), Step { start, rates, set_point, gains: random_gains(rng, 1.0..5.0) })
 }
 
 pub fn random_robot(rng: &mut Pcg64) -> RobotParameters {

@@ -6,6 +6,7 @@ mod liveness;
 mod margins;
 mod minimum_time;
 mod plant;
+mod proofs;
 mod rigs;
 mod soundness;
 mod tightness;
@@ -44,6 +45,9 @@ pub enum Study {
     /// Moves in minimum time, and stops on them: tensions by dense samples and by polynomials, times beside the optimum
     #[command(after_help = minimum_time::EXAMPLE)]
     MinimumTime(minimum_time::MinimumTime),
+    /// Random problems with their proofs, a line each, for a checker
+    #[command(after_help = proofs::EXAMPLE)]
+    Proofs(proofs::Proofs),
     /// Time to the goal with each planner
     #[command(after_help = time::EXAMPLE)]
     Time(time::Time),
@@ -59,6 +63,7 @@ impl Study {
             Study::Liveness(study) => study.run(),
             Study::Rigs(study) => study.run(),
             Study::MinimumTime(study) => study.run(),
+            Study::Proofs(study) => study.run(),
             Study::Time(study) => study.run(),
         }
     }

@@ -136,8 +136,8 @@ impl Piece {
                 is_within
             });
         }
-        let found = redundant::look(rig, limits, &motion, (span, 1.0), |_, tensions, _| {
-            seen.include(tensions, half);
+        let found = redundant::look(rig, limits, &motion, (span, 1.0), |_, shared, _| {
+            seen.include(&shared.tension, half);
         });
         matches!(found, Finding::Inside)
     }

@@ -8,6 +8,7 @@ pub mod along;
 pub mod margins;
 pub mod motion;
 pub mod part;
+pub mod proof;
 pub mod redundant;
 pub mod search;
 pub mod section;
@@ -19,10 +20,13 @@ use thiserror::Error;
 
 pub use margins::Margins;
 pub use motion::Step;
+pub use proof::{Proof, prove};
 pub use timed::certify_motion;
 
 use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
+use motion::Span;
+use proof::Shown;
 use statics::Pulling;
 use taylor::Taylor;
 
@@ -126,7 +130,7 @@ pub fn certify_within(
     spans: &mut usize,
 ) -> Result<Verdict, CertificateError> {
     check(rig, limits, step)?;
-    Ok(closed_form(rig, limits, step, spans).map_or_else(|no| no, |range| range.admissible()))
+    Ok(closed_form(rig, limits, step, spans, |_, _| ()).map_or_else(|no| no, |range| range.admissible()))
 }
 
 /// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
@@ -148,12 +152,13 @@ pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result
     Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
 }
 
-/// The bounds of the tensions, of more than six cables of some that keep the limits.
+/// The bounds of the tensions, of more than six cables of some that keep the limits. `shown` is shown what proves each span and instant.
 fn closed_form(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
     step: &Step,
     spans: &mut usize,
+    mut shown: impl FnMut(Span, Shown),
 ) -> Result<Range, Verdict> {
     let tube = Tube::empty();
     if let Some(cause) = margins::lost_angles(step, &tube) {
@@ -161,11 +166,15 @@ fn closed_form(
     }
     let mut range = Range::none(rig);
     if rig.cables.len() == LEAST_CABLES {
-        search::walk(rig, step, &tube, limits, spans, |cables| range.include(&cables.tension, 0.0))?;
+        search::walk(rig, step, &tube, limits, spans, |span, cables| {
+            range.include(&cables.tension, 0.0);
+            shown(span, Shown { tension: &cables.tension, solved: &cables.solved, shared: None });
+        })?;
     } else {
         search::cover(step, spans, |span| {
-            redundant::look(rig, limits, &step.motion(span, &tube), (span, 1.0), |_, tensions, _| {
-                range.include(tensions, 0.0)
+            redundant::look(rig, limits, &step.motion(span, &tube), (span, 1.0), |_, shared, _| {
+                range.include(&shared.tension, 0.0);
+                shown(span, Shown { tension: &shared.tension, solved: &shared.solved, shared: Some(shared) });
             })
         })?;
     }
@@ -182,10 +191,11 @@ fn walk(
     mut inside: impl FnMut(&Pulling, f64),
 ) -> Result<(), Verdict> {
     if rig.cables.len() == LEAST_CABLES {
-        return search::walk(rig, step, tube, limits, spans, |cables| inside(&cables.pulling(), 0.0));
+        return search::walk(rig, step, tube, limits, spans, |_, cables| inside(&cables.pulling(), 0.0));
     }
     search::cover(step, spans, |span| {
-        redundant::look(rig, limits, &step.motion(span, tube), (span, SHARE), |system, tensions, law| {
+        redundant::look(rig, limits, &step.motion(span, tube), (span, SHARE), |system, shared, law| {
+            let tensions = &shared.tension;
             let near = law.nearness(system, tensions);
             inside(&system.pulling(tensions, near.distance), near.intrusion);
         })
@@ -199,7 +209,7 @@ fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verd
         (margins.friction, if is_one { margins.friction } else { margins.law_margin });
     let limits = rig.limits().map(|limits| limits.shrunk(law_margin));
     let spans = || search::MOST_SPANS;
-    closed_form(rig, &rig.limits(), step, &mut spans())?;
+    closed_form(rig, &rig.limits(), step, &mut spans(), |_, _| ())?;
     let mut extent = Extent::none();
     let still = (step, &Tube::empty());
     walk(rig, &limits, still, &mut spans(), |pulling, _| extent.include(rig, pulling))

@@ -7,7 +7,7 @@ use nalgebra::{Matrix6, Vector6};
 use super::margins::UPWARDS;
 use super::motion::{Motion, Span};
 use super::search::{Finding, judge};
-use super::statics::{System, solve};
+use super::statics::{Solved, System, solve};
 use super::taylor::{Taylor, combination};
 use super::{Cause, Verdict};
 use crate::control::distribution::{Distribution, STIFFNESS, Solutions, reference};
@@ -29,32 +29,28 @@ pub fn look(
     limits: &PerCable<TensionLimits>,
     motion: &Motion,
     (span, share): (Span, f64),
-    inside: impl FnOnce(&System, &[Taylor], &Law),
+    inside: impl FnOnce(&System, &Shared, &Law),
 ) -> Finding {
     let Some(system) = System::new(rig, motion) else {
         return Finding::Untold(Cause::Singular);
     };
-    let (matrix, wrench) = middle(&system);
-    let Some(solutions) = Solutions::new(&matrix, &wrench, rig.platform_radius()) else {
+    let Some((matrix, solutions, proposed)) = proposal(rig, limits, &system, share) else {
         return Finding::Untold(Cause::Singular);
     };
-    // Up to what the reference is above the least tension: in the span they change.
-    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0) * LESS * share;
-    let shrunk = limits.map(|limits| limits.shrunk(margin));
-    match solutions.distribute(&shrunk, &reference(rig), 0.0) {
+    match proposed {
         Distribution::Infeasible { weights, .. } => {
             let time = span.time(0.0);
             match refusal(&system, &matrix, &weights, limits, time) {
-                Some(verdict) => Finding::Beyond { time, verdict },
+                Some((verdict, _)) => Finding::Beyond { time, verdict },
                 None if is_singular(&system) => Finding::Untold(Cause::Singular),
                 None => Finding::Perhaps { time },
             }
         }
         Distribution::Feasible(tensions) => match extended(&system, &tensions) {
             None => Finding::Untold(Cause::Singular),
-            Some(tensions) => match judge(&tensions, limits, span) {
+            Some(shared) => match judge(&shared.tension, limits, span) {
                 None => {
-                    inside(&system, &tensions, &Law { rig, limits: *limits, matrix, solutions });
+                    inside(&system, &shared, &Law { rig, limits: *limits, matrix, solutions });
                     Finding::Inside
                 }
                 // These tensions leave the limits; others may not.
@@ -63,6 +59,43 @@ pub fn look(
             },
         },
     }
+}
+
+/// y that proves of the instant of `motion` that no tensions keep the limits; `None` where that is not proved.
+pub fn multipliers(rig: &Rig, limits: &PerCable<TensionLimits>, motion: &Motion) -> Option<[f64; 6]> {
+    let system = System::new(rig, motion)?;
+    let (matrix, _, proposed) = proposal(rig, limits, &system, 1.0)?;
+    let Distribution::Infeasible { weights, .. } = proposed else { return None };
+    refusal(&system, &matrix, &weights, limits, 0.0).map(|(_, multipliers)| multipliers)
+}
+
+/// The wrench matrix in the middle of the span, all tensions there, and those that are `share` of the way inside the limits; `None` where the
+/// matrix is singular.
+fn proposal(
+    rig: &Rig,
+    limits: &PerCable<TensionLimits>,
+    system: &System,
+    share: f64,
+) -> Option<(PerCable<Vector6<f64>>, Solutions, Distribution)> {
+    let (matrix, wrench) = middle(system);
+    let solutions = Solutions::new(&matrix, &wrench, rig.platform_radius())?;
+    // Up to what the reference is above the least tension: in the span they change.
+    let margin = solutions.widest_margin(limits).min(rig.weight()).max(0.0) * LESS * share;
+    let shrunk = limits.map(|limits| limits.shrunk(margin));
+    let proposed = solutions.distribute(&shrunk, &reference(rig), 0.0);
+    Some((matrix, solutions, proposed))
+}
+
+/// Tensions over a span that give the wrench: of cable i its length times `base`ᵢ + `basis`ᵢ · y.
+pub struct Shared {
+    /// σ, tensions over lengths in the middle, N/m.
+    pub base: PerCable<f64>,
+    /// V₀ᵀ.
+    pub basis: PerCable<[f64; 6]>,
+    /// y.
+    pub solved: Solved,
+    /// N.
+    pub tension: PerCable<Taylor>,
 }
 
 /// The law (D1) over a span, where tensions are shown that keep its margin from the rig's limits. Derived in docs/certificate.md, "More than six".
@@ -154,27 +187,27 @@ fn middle(system: &System) -> (PerCable<Vector6<f64>>, Vector6<f64>) {
 ///
 /// With V the matrix whose columns are `length` times too long, V₀ it in the middle and σ the tensions over lengths there, u/l is
 /// σ + V₀ᵀ y, where (V V₀ᵀ) y = w - V σ: six equations for six unknowns.
-fn extended(system: &System, tensions: &[f64]) -> Option<PerCable<Taylor>> {
+fn extended(system: &System, tensions: &[f64]) -> Option<Shared> {
     let cables = tensions.len();
-    let per_length = PerCable::from_fn(cables, |i| tensions[i] / system.length[i].coefficients[0]);
+    let base = PerCable::from_fn(cables, |i| tensions[i] / system.length[i].coefficients[0]);
     let basis = system.columns.map(|column| column.map(|v| v.coefficients[0]));
     let mut matrix = [[Taylor::ZERO; 6]; 6];
     let mut lacking = system.wrench;
     for i in 0..cables {
         for k in 0..6 {
             let v = system.columns[i][k];
-            lacking[k] = lacking[k] - v * per_length[i];
+            lacking[k] = lacking[k] - v * base[i];
             for j in 0..6 {
                 matrix[k][j] = matrix[k][j] + v * basis[i][j];
             }
         }
     }
-    let y = solve(&matrix, &lacking)?;
-    let tension = |i: usize| {
-        let correction = combination(basis[i], y.each_ref());
-        (correction + Taylor::constant(per_length[i])) * system.length[i]
-    };
-    Some(PerCable::from_fn(cables, tension))
+    let solved = solve(&matrix, &lacking)?;
+    let tension = PerCable::from_fn(cables, |i| {
+        let correction = combination(basis[i], solved.unknowns.each_ref());
+        (correction + Taylor::constant(base[i])) * system.length[i]
+    });
+    Some(Shared { base, basis, solved, tension })
 }
 
 /// Whether there is a wrench in the span that no tensions give, or may be.
@@ -182,7 +215,7 @@ fn is_singular(system: &System) -> bool {
     extended(system, &system.length.map(|_| 0.0)).is_none()
 }
 
-/// "Not admissible", if it is proved that no tensions within the limits give the wrench.
+/// "Not admissible", and the y it is proved with, if it is proved that no tensions within the limits give the wrench.
 ///
 /// Any y will do: W u = w means cᵀ u = yᵀ w with c = Wᵀ y. If that is more than cᵀ u can be within the limits, there is no such u; and
 /// widening all limits by s adds s Σ|c| at most.
@@ -192,7 +225,7 @@ fn refusal(
     weights: &[f64],
     limits: &PerCable<TensionLimits>,
     time: f64,
-) -> Option<Verdict> {
+) -> Option<(Verdict, [f64; 6])> {
     let aim: Vector6<f64> = matrix.iter().zip(weights).map(|(column, weight)| column * *weight).sum();
     let normal: Matrix6<f64> = matrix.iter().map(|column| column * column.transpose()).sum();
     let mut y: [f64; 6] = normal.lu().solve(&aim)?.into();
@@ -216,7 +249,8 @@ fn refusal(
     let named =
         |sign: f64| (0..weights.len()).filter(move |i| sign * weights[*i] > NAMED).map(|i| i + 1).collect();
     let (at_least, at_greatest) = (named(-1.0), named(1.0));
-    (gap.range()[0] > 0.0).then_some(Verdict::NoDistribution { time, shortfall, at_least, at_greatest })
+    let verdict = Verdict::NoDistribution { time, shortfall, at_least, at_greatest };
+    (gap.range()[0] > 0.0).then_some((verdict, y))
 }
 
 #[cfg(test)]
@@ -249,7 +283,7 @@ mod tests {
         let (rig, span) = (eight(), Span::Between(0.2, 0.4));
         let over = system(&rig, &STEP, span);
         // Any tensions in the middle will do, also such as do not give the wrench there.
-        let found = extended(&over, &[40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0]).unwrap();
+        let found = extended(&over, &[40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0]).unwrap().tension;
         for tau in [-1.0, -0.5, 0.0, 0.3, 1.0] {
             let time = span.time(tau);
             let (matrix, wrench) = middle(&system(&rig, &STEP, Span::Between(time, time)));
@@ -278,7 +312,8 @@ mod tests {
             let kept = 30.0 * f64::from(case % 2);
             let limits = rig.limits().map(|limits| limits.shrunk(kept));
             let span = Span::Between(0.1, 0.1 + any(0.05).abs());
-            look(&rig, &limits, &step.motion(span, &Tube::empty()), (span, 0.2), |over, tensions, law| {
+            look(&rig, &limits, &step.motion(span, &Tube::empty()), (span, 0.2), |over, shared, law| {
+                let tensions = &shared.tension;
                 let near = law.nearness(over, tensions);
                 shown += 1;
                 for tau in [-1.0, -0.4, 0.0, 0.7, 1.0] {

@@ -49,13 +49,13 @@ pub fn walk(
     tube: &Tube,
     limits: &PerCable<TensionLimits>,
     spans: &mut usize,
-    mut inside: impl FnMut(&Cables),
+    mut inside: impl FnMut(Span, &Cables),
 ) -> Result<(), Verdict> {
     cover(step, spans, |span| match cables(rig, &step.motion(span, tube)) {
         Some(cables) => match judge(&cables.tension, limits, span) {
             Some(finding) => finding,
             None => {
-                inside(&cables);
+                inside(span, &cables);
                 Finding::Inside
             }
         },

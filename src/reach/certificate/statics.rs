@@ -15,6 +15,8 @@ type Vector = [Taylor; 3];
 pub struct Cables {
     /// Tensions, N.
     pub tension: [Taylor; SIX],
+    /// Tensions over lengths.
+    pub solved: Solved,
     length: [Taylor; SIX],
     along: [Vector; SIX],
     placed: Placed,
@@ -43,7 +45,7 @@ pub struct Pulling<'a> {
 impl Cables {
     /// As they pull.
     pub fn pulling(&self) -> Pulling<'_> {
-        let Self { tension, length, along, placed } = self;
+        let Self { tension, length, along, placed, .. } = self;
         Pulling { tension, apart: 0.0, length, along: PerCable::from_fn(SIX, |i| along[i]), placed }
     }
 }
@@ -65,9 +67,9 @@ pub fn cables(rig: &Rig, motion: &Motion) -> Option<Cables> {
             matrix[k][i] = column[k];
         }
     }
-    let per_length = solve(&matrix, &required_wrench(rig, motion, &placed.orientation))?;
-    let tension = std::array::from_fn(|i| per_length[i] * length[i]);
-    Some(Cables { tension, length, along, placed })
+    let solved = solve(&matrix, &required_wrench(rig, motion, &placed.orientation))?;
+    let tension = std::array::from_fn(|i| solved.unknowns[i] * length[i]);
+    Some(Cables { tension, solved, length, along, placed })
 }
 
 /// W u = w of any number of cables over a span of time.
@@ -321,12 +323,21 @@ fn norm(v: &Vector) -> Option<Taylor> {
     dot(v, v).sqrt()
 }
 
+/// Six unknowns over a span, and what they were found with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solved {
+    /// C.
+    pub inverse: Matrix6<f64>,
+    /// u.
+    pub unknowns: [Taylor; 6],
+}
+
 /// All u with W u = w for some W of `matrix` and w of `wrench`.
 ///
 /// With C near the inverse of W in the middle, A = C W is near 1 and A u = b = C w. A polynomial û that solves this to the order kept
 /// leaves r = b - A û, and u - û = r + (1 - A)(u - û). Where ρ = ‖1 - A‖∞ < 1, A is regular and |u - û| ≤ ‖r‖∞/(1 - ρ); once more
 /// through the same equation gives each component its own bound.
-pub fn solve(matrix: &[[Taylor; SIX]; 6], wrench: &[Taylor; 6]) -> Option<[Taylor; SIX]> {
+pub fn solve(matrix: &[[Taylor; SIX]; 6], wrench: &[Taylor; 6]) -> Option<Solved> {
     let inverse = Matrix6::from_fn(|row, column| matrix[row][column].coefficients[0]).try_inverse()?;
     let row = |k: usize| std::array::from_fn(|j| inverse[(k, j)]);
     let a: [[Taylor; 6]; 6] = std::array::from_fn(|k| {
@@ -346,7 +357,8 @@ pub fn solve(matrix: &[[Taylor; SIX]; 6], wrench: &[Taylor; 6]) -> Option<[Taylo
         return None;
     }
     let apart = greatest(&residual) / (1.0 - rho) * ROUND_UP;
-    Some(std::array::from_fn(|k| near[k].widened((residual[k] + distance[k] * apart) * ROUND_UP)))
+    let unknowns = std::array::from_fn(|k| near[k].widened((residual[k] + distance[k] * apart) * ROUND_UP));
+    Some(Solved { inverse, unknowns })
 }
 
 /// What makes a bound got from a few rounded operations an upper bound again; 1 - ρ loses up to 1e-7 where ρ is near 1.

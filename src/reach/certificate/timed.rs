@@ -71,8 +71,8 @@ fn look(
     let half = (to - middle).max(middle - from);
     let motion = motion(middle, half);
     if rig.cables.len() > LEAST_CABLES {
-        return redundant::look(rig, limits, &motion, (span, 1.0), |_, tensions, _| {
-            inside(tensions, half);
+        return redundant::look(rig, limits, &motion, (span, 1.0), |_, shared, _| {
+            inside(&shared.tension, half);
         });
     }
     let Some(cables) = cables(rig, &motion) else {

@@ -430,9 +430,11 @@ fn certify_knows_eight_cables() {
 
 #[test]
 fn schema_prints_what_is_checked_in() {
-    let (printed, _) = written(0, &["schema", "rig"]);
-    let there = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/rig.schema.json")).unwrap();
-    assert_eq!(printed, there);
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    for (name, path) in [("rig", "rigs/rig.schema.json"), ("proof", "docs/proof.schema.json")] {
+        let (printed, _) = written(0, &["schema", name]);
+        assert_eq!(printed, fs::read_to_string(format!("{root}/{path}")).unwrap());
+    }
     let (_, error) = written(2, &["schema", "boat"]);
     assert!(error.contains("rig"), "{error}");
 }

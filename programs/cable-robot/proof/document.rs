@@ -1,0 +1,189 @@
+//! What a proof file holds, version 1: docs/proof.md.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::number::{Limit, Number};
+
+pub const FORMAT: &str = "cable-robot proof";
+pub const VERSION: u32 = 1;
+pub const ADMISSIBLE: &str = "admissible";
+pub const NOT_ADMISSIBLE: &str = "not admissible";
+
+/// A proof for a step of a cable-robot, to be checked without that program: docs/proof.md. SI units, angles in rad.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+#[schemars(title = "cable-robot proof", extend("oneOf" = [
+    {"properties": {"verdict": {"const": "admissible"}, "instant": false}, "required": ["least", "greatest", "spans"]},
+    {"properties": {"verdict": {"const": "not admissible"}, "least": false, "greatest": false, "spans": false}, "required": ["instant"]}
+]))]
+pub struct Document {
+    /// What kind of file this is.
+    #[schemars(extend("const" = FORMAT))]
+    pub format: &'static str,
+    /// Of the format.
+    #[schemars(extend("const" = VERSION))]
+    pub version: u32,
+    /// What is proved of what.
+    pub problem: Problem,
+    /// SHA-256 of the problem's JSON text without white space, keys sorted.
+    #[schemars(extend("pattern" = "^[0-9a-f]{64}$"))]
+    pub sha256: String,
+    /// `admissible` or `not admissible`.
+    pub verdict: &'static str,
+    /// Admissible: lower bound of all tensions for all time, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub least: Option<Number>,
+    /// Admissible: upper bound of all tensions for all time, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub greatest: Option<Number>,
+    /// Admissible: cover all time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<SpanEntry>", length(min = 1))]
+    pub spans: Option<Vec<SpanEntry>>,
+    /// Not admissible: when no tensions within the limits do it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "InstantEntry")]
+    pub instant: Option<InstantEntry>,
+}
+
+/// A rig and a step.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Problem {
+    /// The robot.
+    pub rig: RigEntry,
+    /// What it is to do.
+    pub step: StepEntry,
+}
+
+/// The robot.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct RigEntry {
+    /// kg.
+    pub mass: Number,
+    /// About the centre of mass, platform's frame, kg m².
+    pub inertia: [[Number; 3]; 3],
+    /// Base frame, m/s².
+    pub gravity: [Number; 3],
+    /// Force (N) and torque about the centre of mass (N m), base frame, that act besides cables and weight.
+    pub disturbance: [Number; 6],
+    /// In the order of the cable numbers.
+    #[schemars(length(min = 6, max = 16))]
+    pub cables: Vec<CableEntry>,
+}
+
+/// A cable.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct CableEntry {
+    /// Base frame, m.
+    pub anchor: [Number; 3],
+    /// Platform's frame, whose origin is the centre of mass, m.
+    pub attachment: [Number; 3],
+    /// Least tension, N.
+    pub least: Number,
+    /// Greatest tension, N.
+    #[schemars(with = "Limit")]
+    pub greatest: Number,
+    /// The swivelling pulley at the anchor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "PulleyEntry")]
+    pub pulley: Option<PulleyEntry>,
+}
+
+/// A pulley.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PulleyEntry {
+    /// m.
+    pub radius: Number,
+    /// Unit vector, base frame.
+    pub axis: [Number; 3],
+}
+
+/// A set point given to the law at some state.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct StepEntry {
+    /// x, y, z, roll, pitch, yaw at first.
+    pub start: [Number; 6],
+    /// Their rates then.
+    pub rates: [Number; 6],
+    /// The set point.
+    pub set_point: [Number; 6],
+    /// 1/s.
+    pub lambda: Number,
+    /// 1/s.
+    pub eta: Number,
+}
+
+/// A span of time in which the tensions are within the limits.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SpanEntry {
+    /// s.
+    pub from: Number,
+    /// s; not of the last span, which has no end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub to: Option<Number>,
+    /// More than six cables: σ, N/m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<Number>")]
+    pub base: Option<Vec<Number>>,
+    /// More than six cables: B.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<[Number; 6]>")]
+    pub basis: Option<Vec<[Number; 6]>>,
+    /// C.
+    pub inverse: [[Number; 6]; 6],
+    /// Coefficients of a polynomial for each unknown.
+    pub solution: [Polynomial; 6],
+    /// How far the unknowns are from that at most.
+    pub error: [Number; 6],
+    /// Of each cable, N.
+    pub least: Vec<Number>,
+    /// Of each cable, N.
+    pub greatest: Vec<Number>,
+}
+
+/// c₀, c₁, … of the powers of τ; those left out are 0.
+#[derive(Serialize, JsonSchema)]
+pub struct Polynomial(#[schemars(length(min = 1, max = 6))] pub Vec<Number>);
+
+/// When no tensions within the limits do it.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum InstantEntry {
+    /// Six cables: one is at or beyond a limit.
+    OfCable {
+        /// s.
+        time: Number,
+        /// From 1.
+        #[schemars(range(min = 1, max = 6))]
+        cable: usize,
+        /// C.
+        inverse: Box<[[Number; 6]; 6]>,
+        /// Tensions over lengths, N/m.
+        solution: [[Number; 1]; 6],
+        /// How far they are from that at most.
+        error: [Number; 6],
+        /// Of this cable, N.
+        least: Number,
+        /// Of this cable, N.
+        greatest: Number,
+    },
+    /// More than six cables.
+    OfAll {
+        /// s.
+        time: Number,
+        /// A vector as in Farkas' lemma.
+        multipliers: [Number; 6],
+        /// By how much some limit is broken at least, N.
+        shortfall: Number,
+    },
+}

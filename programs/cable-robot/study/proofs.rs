@@ -1,0 +1,88 @@
+//! Random problems with their proofs, a line each, for a checker; and what a proof costs.
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use cable_robot::reach::certificate::{certify, prove};
+use clap::Args;
+
+use super::cases::any_problem;
+use super::random_of;
+use crate::proof::{document, laid_out};
+use crate::{Outcome, say};
+
+pub const EXAMPLE: &str = "\
+Example: cable-robot study proofs --cases 1000 > proofs.jsonl
+Each line is a proof file (docs/proof.md). Half the problems are of six cables and half of eight, a quarter have pulleys. What it costs goes to stderr.";
+
+/// Problems of one seed's random numbers.
+const BATCH: u64 = 1000;
+
+#[derive(Args)]
+pub struct Proofs {
+    /// Random problems
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    cases: u64,
+    /// Seed of the random problems
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// What the cases come to.
+#[derive(Default)]
+struct Seen {
+    undecided: usize,
+    bytes: Vec<usize>,
+    finding: Vec<Duration>,
+    /// Finding, once more, and writing.
+    proving: Vec<Duration>,
+}
+
+impl Proofs {
+    pub fn run(&self) -> Result<Outcome> {
+        let (mut seen, mut out) = (Seen::default(), std::io::stdout().lock());
+        for batch in 0..self.cases.div_ceil(BATCH) {
+            let mut rng = random_of(self.seed, batch);
+            for case in 0..BATCH.min(self.cases - batch * BATCH) {
+                let (rig, step) = any_problem(&mut rng, case);
+                let begin = Instant::now();
+                certify(&rig, &step)?;
+                let found = Instant::now();
+                let (_, proof) = prove(&rig, &step)?;
+                let Some(proof) = proof else {
+                    seen.undecided += 1;
+                    continue;
+                };
+                let document = document(&rig, &step, &proof)?;
+                seen.bytes.push(laid_out(&document)?.len());
+                seen.proving.push(found.elapsed());
+                seen.finding.push(found - begin);
+                let line = serde_json::to_string(&document)?;
+                writeln!(out, "{line}").context("cannot write to stdout")?;
+            }
+        }
+        say(seen.in_words());
+        Ok(Outcome::Done)
+    }
+}
+
+impl Seen {
+    fn in_words(mut self) -> String {
+        let Some(most) = self.bytes.iter().max().copied() else { return "nothing was proved".to_owned() };
+        let [finding, proving] =
+            [&mut self.finding, &mut self.proving].map(|times| 1e6 * median(times).as_secs_f64());
+        format!(
+            "{} proofs, {} undecided; {:.1} kB in the median, {:.1} kB at most; finding {finding:.0} µs, finding and writing {proving:.0} µs in the median",
+            self.bytes.len(),
+            self.undecided,
+            1e-3 * median(&mut self.bytes) as f64,
+            1e-3 * most as f64,
+        )
+    }
+}
+
+fn median<T: Ord + Copy>(values: &mut [T]) -> T {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable(middle).1
+}

@@ -1,0 +1,107 @@
+//! Proof files: what `certify --proof` and `plan --proof` write and refuse.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+const FROM: [&str; 3] = ["certify", "--from", "0,0,1"];
+
+/// Exit code, stdout and stderr.
+fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the binary is built");
+    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    (output.status.code(), out, err)
+}
+
+fn read(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn a_proof_is_written_and_changes_nothing_of_what_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (to, code, verdict) in [("0.1,0.05,0.9", 0, "admissible"), ("0.3,0,1", 3, "not admissible")] {
+        let plain = [&FROM[..], &["--to", to]].concat();
+        let (_, without, _) = run(folder.path(), &plain);
+        let (ended, with, said) = run(folder.path(), &[&plain[..], &["--proof", "x.json"]].concat());
+        assert_eq!((ended, with), (Some(code), without), "{said}");
+        let proof = read(&folder.path().join("x.json"));
+        assert_eq!(proof["verdict"], verdict);
+        assert!(said.contains("x.json") && said.contains(proof["sha256"].as_str().unwrap()), "{said}");
+    }
+}
+
+#[test]
+fn a_proof_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [&FROM[..], &["--to", "0.1,0,1", "--proof", "missing/x.json"]].concat();
+    let (code, out, err) = run(folder.path(), &arguments);
+    assert_eq!((code, out.as_str()), (Some(1), ""));
+    assert!(err.contains("cannot write missing/x.json"), "{err}");
+}
+
+#[test]
+fn of_an_undecided_step_no_proof_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments =
+        [&FROM[..], &["--to", "0,0,1,0,0,3.2", "--rates", "0,0,0,0,0,5", "--proof", "x.json"]].concat();
+    let (code, out, err) = run(folder.path(), &arguments);
+    assert!(code == Some(3) && out.starts_with("undecided"), "{out}");
+    assert!(err.contains("x.json is not written: nothing is proved"), "{err}");
+    assert!(!folder.path().join("x.json").exists());
+}
+
+#[test]
+fn what_a_proof_file_does_not_hold_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for margin in ["--mass-error", "--force", "--delay", "--accuracy"] {
+        let arguments = [&FROM[..], &["--to", "0.1,0,1", "--proof", "x.json", margin, "0.001"]].concat();
+        let (code, out, err) = run(folder.path(), &arguments);
+        assert_eq!((code, out.as_str()), (Some(1), ""), "{margin}");
+        assert!(err.contains("a proof file holds the closed form") && err.contains("--accuracy 0"), "{err}");
+    }
+    let plan = ["plan", "--from", "0,0,1", "--to", "0.1,0,1", "--planner", "minimum-time", "--proof", "x"];
+    let (code, _, err) = run(folder.path(), &plan);
+    assert!(code == Some(1) && err.contains("not a motion in minimum time"), "{err}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_plan_is_proved_step_by_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = ["plan", "--from", "0,0,1", "--to", "0.15,0.15,1"];
+    let with = [&plan[..], &["--proof", "steps"]].concat();
+    let (code, out, err) = run(folder.path(), &with);
+    assert_eq!((code, &out), (Some(0), &run(folder.path(), &plan).1), "{err}");
+    let mut at = Value::Null;
+    for i in 1..=4 {
+        let proof = read(&folder.path().join(format!("steps/step-{i}.proof.json")));
+        assert_eq!(proof["verdict"], "admissible");
+        assert!(i == 1 || proof["problem"]["step"]["start"] == at, "step {i}");
+        at = proof["problem"]["step"]["setPoint"].clone();
+    }
+    assert_eq!(fs::read_dir(folder.path().join("steps")).unwrap().count(), 4);
+    let (code, _, err) = run(folder.path(), &with);
+    assert!(code == Some(1) && err.contains("steps: the folder holds files already"), "{err}");
+}
+
+#[test]
+fn random_proofs_have_both_verdicts_and_are_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, out, err) = run(folder.path(), &["study", "proofs", "--cases", "60"]);
+    assert_eq!(code, Some(0), "{err}");
+    let mut counts = [0; 4];
+    for line in out.lines() {
+        assert!(line.len() < 200_000);
+        let proof: Value = serde_json::from_str(line).unwrap();
+        let is_six = proof["problem"]["rig"]["cables"].as_array().unwrap().len() == 6;
+        counts[2 * usize::from(is_six) + usize::from(proof["verdict"] == "admissible")] += 1;
+    }
+    assert!(counts.iter().all(|count| *count > 3), "{counts:?}\n{err}");
+}
