@@ -10,15 +10,16 @@ import functools
 import hashlib
 import json
 import math
-import re
 import sys
 from collections import namedtuple
 from fractions import Fraction
 
-from flint import arb, arb_mat, arb_poly, arb_series, ctx
+from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 
 BITS = 128        # of the midpoints of all balls
-ORDER = 7         # of the remainder of the Taylor models over spans
+ORDER = 10        # of the remainder of the Taylor models over spans,
+COARSE = 3        # and of the models of V B
+CUTS = 8          # of a Taylor model, to bound it
 HALVINGS = 9      # of a span at most, before it is refused
 RESTS = 60        # pieces of 1/mu that the last span is cut in at most
 SIZE = 10_000_000  # bytes of a file at most
@@ -26,8 +27,8 @@ SIZE = 10_000_000  # bytes of a file at most
 Verdict = namedtuple("Verdict", "verdict bounds sha256")
 Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap")
 Cable = namedtuple("Cable", "anchor attachment radius axis")
-Unknowns = namedtuple("Unknowns", "basis inverse guess spread")
-Functions = namedtuple("Functions", "columns lengths residuals pulls")
+Unknowns = namedtuple("Unknowns", "basis levers beside guess spread")
+Functions = namedtuple("Functions", "vectors lengths forces pulls")
 
 
 class Refused(Exception):
@@ -88,11 +89,27 @@ def instant_shape(n):
 
 def spelling(x):
     """The one spelling of a double."""
-    return re.sub(r"\.?0*p", "p", (x + 0.0).hex())
+    mantissa, exponent = (x + 0.0).hex().split("p")
+    return f"{mantissa.rstrip('0').rstrip('.')}p{exponent}"
+
+
+def read_number(value, shape, where):
+    """A number, or where nothing limits it infinity."""
+    if shape == LIMIT and value == "inf":
+        return math.inf
+    try:
+        number = float.fromhex(value)
+        if math.isfinite(number) and spelling(number) == value:
+            return number
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise Refused("C1", f"{where}: expected {shape} as printf(\"%a\") spells it, found {brief(value)}")
 
 
 def read(value, shape, where):
     """`value` of the JSON text as `shape` says, with its numbers as floats."""
+    if shape in (NUMBER, LIMIT):
+        return read_number(value, shape, where)
     if isinstance(shape, dict):
         demand(isinstance(value, dict), "C1", f"{where}: expected an object, found {brief(value)}")
         names = {name.rstrip("?"): name for name in shape}
@@ -107,21 +124,9 @@ def read(value, shape, where):
                f"{where}: expected an array of {least if least == greatest else f'{least} to {greatest}'}, "
                f"found {brief(value)}")
         return [read(entry, inner, f"{where}[{k}]") for k, entry in enumerate(value)]
-    if shape == ANY:
-        return value
-    wanted = int if shape == COUNT else str
-    demand(type(value) is wanted, "C1", f"{where}: expected {shape}, found {brief(value)}")
-    if shape in (COUNT, TEXT):
-        return value
-    if shape == LIMIT and value == "inf":
-        return math.inf
-    try:
-        number = float.fromhex(value)
-    except (ValueError, OverflowError):
-        number = math.nan
-    demand(math.isfinite(number) and spelling(number) == value, "C1",
-           f"{where}: expected {shape} as printf(\"%a\") spells it, found {brief(value)}")
-    return number
+    demand(shape == ANY or type(value) is {COUNT: int, TEXT: str}[shape], "C1",
+           f"{where}: expected {shape}, found {brief(value)}")
+    return value
 
 
 def brief(value):
@@ -234,8 +239,8 @@ def check_angles(problem):
             if k / v > 0:
                 rate = slow * k / v
                 time = 1 / rate if gap == 0 else (gap / rate).log1p() / gap
-                decay, phi = decays(problem, time)
-                extremes.append(e * (decay - gap * phi) + k * phi)
+                _, quick, phi = decays(problem, time)
+                extremes.append(e * quick + k * phi)
             else:                       # k may be 0: phi is below 1/mu
                 bound = abs(e) + abs(k) / slow
                 extremes += [bound, -bound]
@@ -247,35 +252,41 @@ def check_angles(problem):
 
 
 def decays(problem, time):
-    """exp(-mu t) and phi (s), at a time (s) that is a ball."""
-    decay = (-problem.slow * time).exp()
-    return decay, decay * (time if problem.gap == 0 else -(-problem.gap * time).expm1() / problem.gap)
-
-
-def decays_series(problem, time, scale):
-    """exp(-mu t) and phi (s) at t = time + scale x (s), series in x."""
-    decay = arb_series([-problem.slow * time, -problem.slow * scale]).exp()
-    integral = scale * arb_series([-problem.gap * time, -problem.gap * scale]).exp().integral()
-    start = time if problem.gap == 0 else -(-problem.gap * time).expm1() / problem.gap
-    return decay, decay * (integral + start)
+    """exp(-mu t), exp(-M t) and phi (s) at a time (s) that is a ball."""
+    slow = (-problem.slow * time).exp()
+    integral = time if problem.gap == 0 else -(-problem.gap * time).expm1() / problem.gap
+    return slow, (-problem.fast * time).exp(), slow * integral
 
 
 def decays_rest(problem, time):
-    """exp(-mu t) and phi (s) for all t >= time (s), where time >= 1/mu."""
-    decay = (-problem.slow * time).exp()
-    most = decay * (time if problem.gap == 0 else time.min(1 / problem.gap))
-    return arb_series([arb(0).union(decay)]), arb_series([arb(0).union(most)])
+    """What `decays` gives, over all t >= time (s), where time >= 1/mu."""
+    slow = (-problem.slow * time).exp()
+    most = slow * (time if problem.gap == 0 else time.min(1 / problem.gap))
+    return [arb(0).union(x) for x in (slow, (-problem.fast * time).exp(), most)]
 
 
-def coordinates(problem, decay, phi):
-    """The six coordinates and their first and second derivatives (m, rad, s)."""
+def coordinates(problem, start, scale):
+    """The coordinates and their first and second derivatives in t (m, rad, s), as series in x,
+    where t is a time at which `decays` are `start` and scale x (s) more.
+
+    The k-th derivative of phi is -(-1)^k (S_k exp(-M t) - mu^k phi), S_k = (M^k - mu^k)/(M - mu);
+    f follows from f' = -mu M phi. So each coefficient is tight where `start` is wide.
+    """
     slow, fast = problem.slow, problem.fast
-    dphi = decay - fast * phi
-    ddphi = -(slow + fast) * dphi - slow * fast * phi
-    f, df, ddf = decay + slow * phi, -slow * fast * phi, -slow * fast * dphi
-    def both(a, b):
-        return [e * a + v * b for e, v in zip(problem.error, problem.rates)]
-    return [p + x for p, x in zip(problem.place, both(f, phi))], both(df, dphi), both(ddf, ddphi)
+    decay, quick, phi = start
+    series, power, s, factor = [], arb(1), arb(0), arb(-1)
+    ctx.cap += 2
+    for k in range(ctx.cap):
+        series.append((s * quick - power * phi) * factor)
+        s, power, factor = fast * s + power, slow * power, -factor * scale / (k + 1)
+    phi = arb_series(series)
+    f = (-slow * fast * scale) * phi.integral() + (decay + slow * phi[0])
+    q = [p + e * f + v * phi for p, e, v in zip(problem.place, problem.error, problem.rates)]
+    rate = 1 / scale
+    dq = [x.derivative() * rate for x in q]
+    ddq = [x.derivative() * rate for x in dq]
+    ctx.cap -= 2
+    return q, dq, ddq
 
 
 # --- The equations -------------------------------------------------------------------------
@@ -288,6 +299,11 @@ def cross(a, b):
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
+def root(x):
+    """Square root of a series, tighter than its method where its coefficients are wide."""
+    return (x.log() * 0.5).exp()
+
+
 def positive(x, what):
     """(C6): `x`, a series, is positive throughout."""
     if not x[0] > 0:
@@ -295,24 +311,24 @@ def positive(x, what):
     return x
 
 
-def equations(problem, decay, phi):
-    """Columns of V (m, m^2), lengths (m) and w (N, N m), platform's frame; (C6)."""
-    q, dq, ddq = coordinates(problem, decay, phi)
-    (sa, ca), (sb, cb), (sc, cc) = [(x.sin(), x.cos()) for x in q[3:]]
+def equations(problem, start, scale):
+    """v and l of each cable (m) and w (N, N m), platform's frame; (C6)."""
+    q, dq, ddq = coordinates(problem, start, scale)
+    (sa, ca), (sb, cb), (sc, cc) = [x.sin_cos() for x in q[3:]]
     scsb, ccsb = sc * sb, cc * sb
     turn = [[cc * cb, sc * cb, -sb],                               # columns of R: rows of its transpose
             [ccsb * sa - sc * ca, scsb * sa + cc * ca, cb * sa],
             [ccsb * ca + sc * sa, scsb * ca - cc * sa, cb * ca]]
     def platform(vector):
         return [dot(row, vector) for row in turn]
-    columns, lengths = [], []
+    vectors, lengths = [], []
     for i, cable in enumerate(problem.cables, 1):
         v = platform([a - x for a, x in zip(cable.anchor, q)])
         v = [x - b for x, b in zip(v, cable.attachment)]
         if cable.axis:
             v = round_pulley(v, cable.radius, platform(cable.axis), i)
-        lengths.append(positive(dot(v, v), f"length of cable {i} squared").sqrt())
-        columns.append(v + cross(cable.attachment, v))
+        lengths.append(root(positive(dot(v, v), f"length of cable {i} squared")))
+        vectors.append(v)
     da, db, dc = dq[3:]
     dda, ddb, ddc = ddq[3:]
     spin = [da - dc * sb, db * ca + dc * (cb * sa), dc * (cb * ca) - db * sa]
@@ -323,17 +339,17 @@ def equations(problem, decay, phi):
     force = platform([problem.mass * (a - g) - f for a, g, f in zip(ddq, problem.gravity, problem.force)])
     outer = platform(problem.torque)
     torque = [a + b - c for a, b, c in zip(rate, cross(spin, momentum), outer)]
-    return columns, lengths, force + torque
+    return vectors, lengths, force + torque
 
 
 def round_pulley(a, r, axis, i):
     """v of a cable whose anchor has a pulley (m); (C6)."""
     height = -dot(a, axis)
     out = [-x - height * k for x, k in zip(a, axis)]
-    e = positive(dot(out, out), f"e of cable {i} squared").sqrt()
+    e = root(positive(dot(out, out), f"e of cable {i} squared"))
     p = e - r
     square = p * p + height * height
-    s = positive(square - r * r, f"d^2 - r^2 of cable {i}").sqrt()
+    s = root(positive(square - r * r, f"d^2 - r^2 of cable {i}"))
     cosine, sine = (p * r - height * s) / square, (height * r + p * s) / square
     along, up = r * (1 + cosine) / e, r * sine
     return [x + along * y + up * k for x, y, k in zip(a, out, axis)]
@@ -354,64 +370,78 @@ def largest(balls):
     return most
 
 
-def unknowns(span, n):
-    """What a span's or an instant's fields say of s: B, C, polynomials in tau of s for y = y-hat
-    (N/m), and by how much s may differ from them (N/m)."""
-    basis = arb_mat(span["basis"]) if n > 6 else None
+def smallest(balls):
+    """The least of some balls."""
+    return -largest([-x for x in balls])
+
+
+def unknowns(problem, span):
+    """What a span's or an instant's fields say: B (None of six cables, where it is 1); C L_i, where
+    L_i v_i = (v_i, b_i x v_i); C and -C L_i side by side; polynomials in tau of s for y = y-hat (N/m);
+    and by how much s may differ from them (N/m)."""
+    inverse = arb_mat(span["inverse"])
+    levers = [inverse * arb_mat([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -z, y], [z, 0, -x], [-y, x, 0]])
+              for x, y, z in (cable.attachment for cable in problem.cables)]
+    beside = arb_mat([row + [-x for lever in levers for x in lever.tolist()[k]]
+                      for k, row in enumerate(inverse.tolist())])
     guess = [arb_poly(c) for c in span["solution"]]
     spread = [arb(e) for e in span["error"]]
-    if basis is not None:
-        rows = basis.tolist()
-        guess = [base + sum(b * g for b, g in zip(row, guess)) for base, row in zip(span["base"], rows)]
-        spread = [sum(abs(b) * e for b, e in zip(row, spread)) for row in rows]
-    return Unknowns(basis, arb_mat(span["inverse"]), guess, spread)
+    if "basis" not in span:
+        return Unknowns(None, levers, beside, guess, spread)
+    basis = arb_mat(span["basis"])
+    rows = basis.tolist()
+    guess = [base + sum(b * g for b, g in zip(row, guess)) for base, row in zip(span["base"], rows)]
+    return Unknowns(basis, levers, beside, guess, [sum(abs(b) * e for b, e in zip(row, spread)) for row in rows])
 
 
-def functions(problem, decay, phi, s):
+def functions(problem, start, scale, s):
     """The functions of time that a piece is judged by, where s (N/m) is the guess."""
-    columns, lengths, w = equations(problem, decay, phi)
-    residuals = [x - sum(column[k] * y for column, y in zip(columns, s)) for k, x in enumerate(w)]
-    return Functions(columns, lengths, residuals, [a * b for a, b in zip(lengths, s)])
+    vectors, lengths, w = equations(problem, start, scale)
+    forces = [x * y for v, y in zip(vectors, s) for x in v]
+    return Functions(vectors, lengths, w + forces, [a * b for a, b in zip(lengths, s)])
 
 
-def models(middle, whole):
-    """Taylor models of functions of x in [-1, 1], one a row, as coefficients of Chebyshev polynomials.
+def models(middle, whole, order):
+    """Taylor models of functions of x in [-1, 1], one a row.
 
-    A model has the Taylor coefficients at x = 0, from `middle`, and in the last place that of the
-    remainder (Lagrange's), from `whole`: a ball that holds the coefficient of that order everywhere.
+    A row has the Taylor coefficients at x = 0 below `order`, from `middle`, and last that of the remainder
+    (Lagrange's), from `whole`: a ball that holds the coefficient of that order at every x.
     """
-    count = ctx.cap
     rows = []
     for a, b in zip(middle, whole):
         a, b = a.coeffs(), b.coeffs()
-        a += [0] * (count - 1 - len(a))
-        rows.append(a[:count - 1] + [b[count - 1] if len(b) == count else 0])
-    return arb_mat(rows) * chebyshev(count)
+        rows.append(a[:order] + [0] * (order - len(a)) + (b[order:order + 1] or [0]))
+    return arb_mat(rows)
 
 
 @functools.cache
-def chebyshev(count):
-    """Matrix from coefficients of x^k to those of Chebyshev polynomials, both below `count`."""
-    table = [[0] * count for _ in range(count)]
-    for k in range(count):
-        for j in range(k // 2 + 1):
-            table[k][k - 2 * j] = arb(math.comb(k, j) * (1 if k == 2 * j else 2)) / 2 ** k
-    return arb_mat(table)
+def bernstein(order, cuts):
+    """Matrix from a polynomial's coefficients on [-1, 1] to those of Bernstein's form on each of so many
+    parts of it: the polynomial is between the least and the greatest of them."""
+    columns = []
+    for cut in range(cuts if order > 0 else 1):
+        line = fmpq_poly([fmpq(2 * cut, cuts) - 1, fmpq(2, cuts)])
+        powers = [line ** k for k in range(order + 1)]
+        for j in range(order + 1):
+            weights = [fmpq(math.comb(j, i), math.comb(order, i)) for i in range(j + 1)]
+            columns.append([arb(sum((p[i] * x for i, x in enumerate(weights)), fmpq(0))) for p in powers])
+    return arb_mat(columns).transpose()
 
 
 def judge(span, given, numbers, middle, whole):
     """(C7), and (C8) of the cables `numbers` (from 0), in a piece of time."""
-    count = ctx.cap
-    residual = given.inverse * models(middle.residuals, whole.residuals)
-    r = [sum(abs(x).upper() for x in row) for row in residual.tolist()]
-    rows = []
-    for k in range(6):      # row k of V B: unknowns down, coefficients across
-        row = models([c[k] for c in middle.columns], [c[k] for c in whole.columns])
-        rows.append((row if given.basis is None else given.basis.transpose() * row).entries())
-    product = (given.inverse * arb_mat(rows)).tolist()
+    order = ctx.cap - 1
+    residual = given.beside * models(middle.forces, whole.forces, order) * bernstein(order, CUTS)
+    r = [largest([abs(x).upper() for x in row]) for row in residual.tolist()]
+    coarse = min(order, COARSE)
+    table = arb_mat([(lever * models(a, b, coarse)).entries()     # V B, columns down, rows across, transformed by C
+                     for lever, a, b in zip(given.levers, middle.vectors, whole.vectors)])
+    table = (table if given.basis is None else given.basis.transpose() * table).tolist()
+    rho = []
     for k in range(6):
-        product[k][k * count] -= 1
-    rho = [sum(abs(x).upper() for x in row) for row in product]
+        first, last = k * (coarse + 1), (k + 1) * (coarse + 1)
+        table[k][first] -= 1
+        rho.append(sum(abs(x).upper() for row in table for x in row[first:last]))
     if not largest(rho) < 1:
         raise Undecided("C7", f"expected rho < 1, proved rho <= {float(largest(rho)):.6g} only")
     tail = largest(r) / (1 - largest(rho))
@@ -420,14 +450,14 @@ def judge(span, given, numbers, middle, whole):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
-    pulls = models([middle.pulls[i] for i in numbers], [whole.pulls[i] for i in numbers])
+    pulls = models([middle.pulls[i] for i in numbers], [whole.pulls[i] for i in numbers], order) * bernstein(order, 1)
     for i, row in zip(numbers, pulls.tolist()):
-        width = sum(abs(x).upper() for x in row[1:]) + whole.lengths[i][0].upper() * given.spread[i]
+        width = whole.lengths[i][0].upper() * given.spread[i]
+        least, most = smallest(row) - width, largest(row) + width
         low, high = span["least"][i], span["greatest"][i]
-        if not (row[0] - width >= low and row[0] + width <= high):
+        if not (least >= low and most <= high):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
-                                  f"[{float((row[0] - width).lower()):.17g}, "
-                                  f"{float((row[0] + width).upper()):.17g}] N only")
+                                  f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
 
 
 def prove_piece(problem, span, given, centre, scale, tau, half):
@@ -435,9 +465,8 @@ def prove_piece(problem, span, given, centre, scale, tau, half):
     ctx.cap = ORDER + 1
     found = []
     for x in tau, arb(tau, half):
-        decay, phi = decays_series(problem, centre + scale * x, scale * half)
-        line = arb_poly([x, half])
-        found.append(functions(problem, decay, phi, [arb_series(g(line)) for g in given.guess]))
+        start, line = decays(problem, centre + scale * x), arb_poly([x, half])
+        found.append(functions(problem, start, scale * half, [arb_series(g(line)) for g in given.guess]))
     judge(span, given, range(len(problem.cables)), *found)
 
 
@@ -461,8 +490,7 @@ def prove_rest(problem, span, given):
     for last in range(RESTS, -1, -1):
         ctx.cap = 1
         try:
-            decay, phi = decays_rest(problem, start)
-            found = functions(problem, decay, phi, [arb_series(g) for g in given.guess])
+            found = functions(problem, decays_rest(problem, start), arb(1), [arb_series(g) for g in given.guess])
             return judge(span, given, range(len(problem.cables)), found, found)
         except (Undecided, ValueError, ZeroDivisionError) as fault:
             if last == 0:
@@ -492,7 +520,7 @@ def check_admissible(problem, proof):
         found = pick(pick(span[name]) for span in spans)
         demand(proof[name] == found, "C10", f"{name}: expected {found}, found {proof[name]}")
     for k, span in enumerate(spans, 1):
-        given = unknowns(span, len(cables))
+        given = unknowns(problem, span)
         try:
             if k == len(spans):
                 prove_rest(problem, span, given)
@@ -510,27 +538,28 @@ def check_instant(problem, proof):
     six = len(cables) == 6
     demand(instant["time"] >= 0, "C11" if six else "C13", f"expected time >= 0, found {instant['time']}")
     ctx.cap = 1
-    decay, phi = [arb_series([x]) for x in decays(problem, arb(instant["time"]))]
+    start = decays(problem, arb(instant["time"]))
     if not six:
-        return check_farkas(instant, cables, *equations(problem, decay, phi))
+        return check_farkas(problem, instant, cables, *equations(problem, start, arb(1)))
     number, least, most = instant["cable"], instant["least"], instant["greatest"]
     demand(1 <= number <= 6, "C1", f"instant.cable: expected 1 to 6, found {number}")
     cable = cables[number - 1]
     demand(most <= cable["least"] or least >= cable["greatest"], "C12",
            f"cable {number}: expected a tension outside {cable['least']} to {cable['greatest']} N, "
            f"found {least} to {most} N")
-    given = unknowns(instant, 6)
-    found = functions(problem, decay, phi, [arb_series(g) for g in given.guess])
+    given = unknowns(problem, instant)
+    found = functions(problem, start, arb(1), [arb_series(g) for g in given.guess])
     judge(instant | {"least": [least] * 6, "greatest": [most] * 6}, given, [number - 1], found, found)
     return f"cable {number} at {instant['time']:.9g} s: {least:.9g} to {most:.9g} N"
 
 
-def check_farkas(instant, cables, columns, lengths, w):
-    """(C13), with the columns of V (m, m^2), lengths (m) and w (N, N m) of the instant."""
+def check_farkas(problem, instant, cables, vectors, lengths, w):
+    """(C13), with what `equations` gives of the instant."""
     z = instant["multipliers"]
     pull, limit, size = sum(a * x[0] for a, x in zip(z, w)), arb(0), arb(0)
     for i, cable in enumerate(cables):
-        c = sum(a * x[0] for a, x in zip(z, columns[i])) / lengths[i][0]
+        v = [x[0] for x in vectors[i]]
+        c = (dot(z, v) + dot(z[3:], cross(problem.cables[i].attachment, v))) / lengths[i][0]
         limit += c * cable["least"] if cable["greatest"] == math.inf else largest(
             [c * cable["least"], c * cable["greatest"]])
         size += abs(c)
