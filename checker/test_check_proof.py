@@ -10,11 +10,11 @@ import os
 import random
 import subprocess
 import sys
-import time
 
 import pytest
 
-from check_proof import Refused, check, spelling
+from check_proof import Refused, check
+from proof_file import spelling
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -141,7 +141,7 @@ def value(c, x):
     return sum(a * x ** k for k, a in enumerate(c))
 
 
-def make_span(problem, t1, t2, room=1.5):
+def make_span(problem, t1, t2, room=4):
     """A span; `t2` None for the last."""
     n = len(problem["rig"]["cables"])
     last = t2 is None
@@ -257,3 +257,209 @@ def make_short(unlimited=False, t=0.2):
     shortfall = (sum(a * b for a, b in zip(z, w)) - most) / sum(map(abs, c)) - 1e-9
     return {"format": "cable-robot proof", "version": 1, "problem": problem, "verdict": "not admissible",
             "instant": {"time": t, "multipliers": z, "shortfall": shortfall}}
+
+
+# --- Tests ---------------------------------------------------------------------------------
+
+SIX, PULLEYS, EIGHT = make_admissible(6), make_admissible(6, pulley=True), make_admissible(8)
+OVERLOADED, SHORT, UNLIMITED = make_overloaded(), make_short(), make_short(unlimited=True)
+ALL = {"six": SIX, "pulleys": PULLEYS, "eight": EIGHT, "overloaded": OVERLOADED, "short": SHORT, "unlimited": UNLIMITED}
+
+
+def refused(text):
+    with pytest.raises(Refused) as found:
+        check(text)
+    assert type(found.value.message) is str and found.value.message
+    return found.value.condition
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_honest_proofs_are_accepted(name):
+    verdict = check(sealed(ALL[name]))
+    assert verdict.verdict == ALL[name]["verdict"]
+    assert len(verdict.sha256) == 64
+
+
+def test_equal_gains_and_disturbances_are_accepted():
+    problem = {"rig": make_rig(6), "step": make_step() | {"eta": 2.0 + 2 ** -40}}
+    problem["rig"]["disturbance"] = [1.0, -2.0, 3.0, 0.05, 0.1, -0.1]
+    problem["step"]["start"][5] += 2 * math.tau
+    spans = [make_span(problem, 0.3 * k, 0.3 * (k + 1) if k < 10 else None, room=20) for k in range(11)]
+    for span in spans:      # room for the maker, which divides by the difference of the gains
+        span["error"] = [x + 1e-3 for x in span["error"]]
+        span["least"], span["greatest"] = [x - 0.01 for x in span["least"]], [x + 0.01 for x in span["greatest"]]
+    problem["step"]["eta"] = 2.0
+    proof = SIX | {"problem": problem, "spans": spans, "least": min(min(s["least"]) for s in spans),
+                   "greatest": max(max(s["greatest"]) for s in spans)}
+    assert check(sealed(proof)).verdict == "admissible"
+
+
+def put(*path_and_value):
+    """A change of a proof: sets (or computes, from what was) the value at a path."""
+    *path, last, value = path_and_value
+    def change(proof):
+        for key in path:
+            proof = proof[key]
+        proof[last] = value(proof[last]) if callable(value) else value
+    return change
+
+
+def several(*changes):
+    return lambda proof: [change(proof) for change in changes]
+
+
+def remade(proof):
+    proof["least"] = min(min(s["least"]) for s in proof["spans"])
+    proof["greatest"] = max(max(s["greatest"]) for s in proof["spans"])
+
+
+RIG, STEP, INSTANT = ("problem", "rig"), ("problem", "step"), ("instant",)
+CHANGES = [
+    # name, proof, what is changed before the hash is made, condition
+    ("no mass", SIX, put(*RIG, "mass", 0.0), "C2"),
+    ("inertia not symmetric", SIX, put(*RIG, "inertia", 0, 2, 0.01), "C2"),
+    ("negative inertia", SIX, put(*RIG, "inertia", 1, 1, -0.25), "C2"),
+    ("five cables", SIX, put(*RIG, "cables", lambda c: c[:5]), "C2"),
+    ("limits crossed", SIX, put(*RIG, "cables", 1, "least", 300.0), "C2"),
+    ("axis too long", PULLEYS, put(*RIG, "cables", 1, "pulley", "axis", 2, 1.000001), "C2"),
+    ("no radius", PULLEYS, put(*RIG, "cables", 1, "pulley", "radius", 0.0), "C2"),
+    ("gain negative", SIX, put(*STEP, "eta", -3.0), "C2"),
+    ("pitch beyond a right angle", SIX, put(*STEP, "start", 4, 1.6), "C4"),
+    ("pitch swings beyond a right angle", SIX, put(*STEP, "rates", 4, 12.0), "C4"),
+    ("yaw turns more than half a turn", SIX, put(*STEP, "rates", 5, -30.0), "C4"),
+    ("late start", SIX, put("spans", 0, "from", 0.01), "C5"),
+    ("gap", SIX, put("spans", 3, "to", lambda x: x - 1e-9), "C5"),
+    ("span of no length", SIX, put("spans", 3, "from", 0.7), "C5"),
+    ("span dropped", SIX, lambda p: p["spans"].pop(4), "C5"),
+    ("last span too early", SIX, lambda p: p["spans"][-1].update({"from": 0.4}), "C5"),
+    ("last span dropped", SIX, lambda p: p["spans"].pop(), "C1"),
+    ("pulley as large as the rig", PULLEYS, put(*RIG, "cables", 0, "pulley", "radius", 1.5), "C6"),
+    ("polynomial bent", SIX, put("spans", 2, "solution", 3, 1, lambda x: x + 1e-4), "C7"),
+    ("polynomial bent, eight", EIGHT, put("spans", 2, "solution", 3, 5, lambda x: x + 1e-4), "C7"),
+    ("constant bent", SIX, put("spans", -1, "solution", 0, 0, lambda x: x + 0.5), "C7"),
+    ("error too small", SIX, put("spans", 5, "error", 2, lambda x: x / 50), "C7"),
+    ("error negative", SIX, put("spans", 5, "error", 2, lambda x: -x), "C7"),
+    ("inverse nought", SIX, put("spans", 1, "inverse", [[0.0] * 6] * 6), "C7"),
+    ("basis singular", EIGHT, put("spans", 1, "basis", [[1.0] * 6] * 8), "C7"),
+    ("another mass", SIX, put(*RIG, "mass", 6.01), "C7"),
+    ("another anchor", EIGHT, put(*RIG, "cables", 7, "anchor", 2, 0.001), "C7"),
+    ("another disturbance", SIX, put(*RIG, "disturbance", 5, 0.01), "C7"),
+    ("another set point", SIX, put(*STEP, "setPoint", 0, 0.11), "C7"),
+    ("bound too high", SIX, several(put("spans", 0, "least", 2, lambda x: x + 0.2), remade), "C8"),
+    ("bound too low", EIGHT, several(put("spans", 4, "greatest", 5, lambda x: x - 0.2), remade), "C8"),
+    ("bound too high at the end", PULLEYS, several(put("spans", -1, "least", 0, lambda x: x + 0.9), remade), "C8"),
+    ("beyond the upper limit", SIX, put(*RIG, "cables", 0, "greatest", 14.0), "C9"),
+    ("at the lower limit", SIX, put(*RIG, "cables", 4, "least", min(s["least"][4] for s in SIX["spans"])), "C9"),
+    ("least of all wrong", SIX, put("least", lambda x: x - 1e-9), "C10"),
+    ("greatest of all wrong", EIGHT, put("greatest", lambda x: x + 1e-9), "C10"),
+    ("time negative", OVERLOADED, put(*INSTANT, "time", -0.3), "C11"),
+    ("no such cable", OVERLOADED, put(*INSTANT, "cable", 7), "C1"),
+    ("wrong instant", OVERLOADED, put(*INSTANT, "time", 0.3001), "C7"),
+    ("another solution", OVERLOADED, put(*INSTANT, "solution", 2, 0, lambda x: x + 1e-9), "C7"),
+    ("bounds of another cable", OVERLOADED, several(put(*INSTANT, "cable", 1), put(
+        *RIG, "cables", 0, "greatest", OVERLOADED["problem"]["rig"]["cables"][2]["greatest"])), "C8"),
+    ("bound too high, instant", OVERLOADED, put(*INSTANT, "least", lambda x: x + 1e-6), "C8"),
+    ("nothing wrong with the tension", OVERLOADED, put(*RIG, "cables", 2, "greatest", 50.0), "C12"),
+    ("time negative, eight", SHORT, put(*INSTANT, "time", -0.3), "C13"),
+    ("Farkas' vector bent", SHORT, put(*INSTANT, "multipliers", 1, lambda x: x + 30.0), "C13"),
+    ("Farkas' vector nought", SHORT, put(*INSTANT, "multipliers", [0.0] * 6), "C13"),
+    ("shortfall too large", SHORT, put(*INSTANT, "shortfall", lambda x: x + 1e-8), "C13"),
+    ("wrong instant, eight", SHORT, put(*INSTANT, "time", 0.4), "C13"),
+    ("strong enough", SHORT, lambda p: [c.update(greatest=50.0) for c in p["problem"]["rig"]["cables"]], "C13"),
+    ("without a limit and pulled", UNLIMITED, put(*INSTANT, "multipliers", lambda z: [-x for x in z]), "C13"),
+]
+
+
+@pytest.mark.parametrize("name, proof, change, condition", CHANGES, ids=[c[0] for c in CHANGES])
+def test_what_is_bent_is_refused(name, proof, change, condition):
+    proof = json.loads(json.dumps(proof))
+    change(proof)
+    assert refused(sealed(proof)) == condition
+
+
+def test_bounds_just_beyond_dense_samples_are_refused():
+    """The claims of each span are moved inside the tensions that samples of it show."""
+    rng = random.Random(5)
+    for _ in range(6):
+        proof = json.loads(json.dumps(SIX))
+        k, i, side = rng.randrange(10), rng.randrange(6), rng.choice(["least", "greatest"])
+        span = proof["spans"][k]
+        found = []
+        for j in range(401):
+            t = span["from"] + (span["to"] - span["from"]) * j / 400
+            unit = [[float(a == b) for b in range(6)] for a in range(6)]
+            _, _, y, lengths = instant_solution(proof["problem"], [0.0] * 6, unit, t)
+            found.append(y[i] * lengths[i])
+        span[side][i] = min(found) + 1e-6 if side == "least" else max(found) - 1e-6
+        remade(proof)
+        assert refused(sealed(proof)) == "C8"
+
+
+FILES = [
+    ("version", lambda t: t.replace('"version": 1', '"version": 2')),
+    ("version as text", lambda t: t.replace('"version": 1', '"version": "1"')),
+    ("version true", lambda t: t.replace('"version": 1', '"version": true')),
+    ("foreign", lambda t: t.replace("cable-robot proof", "another proof")),
+    ("list", lambda t: f"[{t}]"),
+    ("empty", lambda t: ""),
+    ("not a number", lambda t: t.replace('"mass": "0x1.8p+2"', '"mass": NaN')),
+    ("decimal number", lambda t: t.replace('"mass": "0x1.8p+2"', '"mass": 6.0')),
+    ("number with zeros", lambda t: t.replace('"mass": "0x1.8p+2"', '"mass": "0x1.80p+2"')),
+    ("number too large", lambda t: t.replace('"mass": "0x1.8p+2"', '"mass": "0x1p+9999"')),
+    ("infinite mass", lambda t: t.replace('"mass": "0x1.8p+2"', '"mass": "inf"')),
+    ("minus nought", lambda t: t.replace('"0x0p+0"', '"-0x0p+0"', 1)),
+    ("mass twice", lambda t: t.replace('"mass"', '"mass": "0x1.8p+2", "mass"')),
+    ("more", lambda t: t.replace('"mass"', '"colour": "red", "mass"')),
+    ("less", lambda t: t.replace('"mass": "0x1.8p+2", ', "")),
+    ("deep", lambda t: "[" * 100000),
+    ("long number", lambda t: t.replace('"version": 1', '"version": ' + "1" * 5000)),
+    ("surrogate", lambda t: t.replace('"0x1.8p+2"', '"\\ud800"', 1)),
+    ("verdict", lambda t: t.replace('"verdict": "admissible"', '"verdict": "not admissible"')),
+    ("large", lambda t: t + " " * 10_000_000),
+]
+
+
+@pytest.mark.parametrize("name, change", FILES, ids=[f[0] for f in FILES])
+def test_other_files_are_refused(name, change):
+    text = sealed(SIX)
+    assert change(text) != text
+    assert refused(change(text)) == "C1"
+
+
+def test_another_problem_or_hash_is_refused():
+    text = sealed(SIX)
+    other = json.loads(sealed(EIGHT))["sha256"]
+    assert refused(json.dumps(json.loads(text) | {"sha256": other})) == "C3"
+    assert refused(text.replace('"mass": "0x1.8p+2"', '"mass": "0x1.8000000000001p+2"')) == "C3"
+
+
+def test_broken_files_are_refused_without_other_exceptions():
+    rng = random.Random(3)
+    text = sealed(OVERLOADED)
+    for _ in range(100):
+        assert refused(text[:rng.randrange(len(text))]) == "C1"
+    for _ in range(400):
+        broken = bytearray(text.encode())
+        broken[rng.randrange(len(broken))] = rng.randrange(256)
+        try:
+            check(bytes(broken))
+        except Refused:
+            pass
+
+
+def test_command(tmp_path):
+    good, bad, cut = tmp_path / "good.json", tmp_path / "bad.json", tmp_path / "cut.json"
+    good.write_text(sealed(SHORT))
+    bad.write_text(sealed(OVERLOADED).replace('"time"', '"hour"'))
+    cut.write_text(sealed(OVERLOADED)[:1000])
+    def run(*names):
+        return subprocess.run([sys.executable, os.path.join(HERE, "check_proof.py"), *map(str, names)],
+                              capture_output=True, text=True)
+    done = run(good)
+    assert done.returncode == 0 and "accepted: not admissible" in done.stdout and not done.stderr
+    done = run(good, bad, cut, tmp_path / "none.json")
+    assert done.returncode == 1 and not done.stderr
+    lines = done.stdout.splitlines()
+    assert ["REFUSED" in line for line in lines] == [False, True, True, True]
+    assert "C1" in lines[1] and "hour" in lines[1] and "line 1" in lines[2]
+    assert run().returncode == 2 and run("--help").returncode == 2
