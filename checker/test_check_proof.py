@@ -361,7 +361,7 @@ CHANGES = [
     ("bound too high, instant", OVERLOADED, put(*INSTANT, "least", lambda x: x + 1e-6), "C8"),
     ("nothing wrong with the tension", OVERLOADED, put(*RIG, "cables", 2, "greatest", 50.0), "C12"),
     ("time negative, eight", SHORT, put(*INSTANT, "time", -0.3), "C13"),
-    ("Farkas' vector bent", SHORT, put(*INSTANT, "multipliers", 1, lambda x: x + 30.0), "C13"),
+    ("Farkas' vector bent", SHORT, put(*INSTANT, "multipliers", 2, lambda x: -x), "C13"),
     ("Farkas' vector nought", SHORT, put(*INSTANT, "multipliers", [0.0] * 6), "C13"),
     ("shortfall too large", SHORT, put(*INSTANT, "shortfall", lambda x: x + 1e-8), "C13"),
     ("wrong instant, eight", SHORT, put(*INSTANT, "time", 0.4), "C13"),
