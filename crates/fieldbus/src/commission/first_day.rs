@@ -185,7 +185,7 @@ impl Day {
         }
         let believed = self.belief.clone();
         for (cable, true_cable) in exchanged {
-            self.belief.drives[true_cable] = believed.drives[cable].clone();
+            self.belief.drives[true_cable] = believed.drives[cable];
             self.belief.load_cells[true_cable] = believed.load_cells[cable];
         }
         found
