@@ -1,0 +1,153 @@
+"""Proofs of random problems, honest ones and bent ones, through the checker.
+
+    python checker/campaign.py PROGRAM CASES SEED [PER_SEED]
+
+PROGRAM is `cable-robot`. Of each problem (`study proofs`: six and eight cables, both verdicts, a quarter with pulleys) the proof must be accepted with the
+verdict that it states, and each kind of bent proof that its verdict has must be refused with the condition that names the fault. PER_SEED problems
+(1000) are drawn from each of SEED, SEED + 1, ...: a run that was stopped goes on from the seed that it printed last. Exit code 1 if the checker is wrong
+about any.
+"""
+
+import json
+import math
+import random
+import subprocess
+import sys
+import time
+
+from check_proof import check
+from proof_file import Refused, spelling
+
+
+def double(text):
+    return float.fromhex(text)
+
+
+def raised(text, least):
+    """A number raised by at least this and at least some units in its last place."""
+    value = double(text)
+    return spelling(value + max(least, 8 * math.ulp(value)))
+
+
+def bend_solution(part, draw):
+    """By more than twice the error that is claimed: then the true solution is farther off than claimed."""
+    k = draw.randrange(6)
+    coefficients = part["solution"][k]
+    j = draw.randrange(len(coefficients))
+    coefficients[j] = raised(coefficients[j], 3 * double(part["error"][k]))
+
+
+def any_span(proof, draw):
+    return draw.choice(proof["spans"])
+
+
+def bent(proof, draw):
+    span = any_span(proof, draw)
+    bend_solution(span, draw)
+
+
+def too_good(proof, draw):
+    """A least tension above the greatest one."""
+    span = any_span(proof, draw)
+    i = draw.randrange(len(span["least"]))
+    span["least"][i] = raised(span["greatest"][i], 1e-9 * abs(double(span["greatest"][i])))
+    proof["least"] = min((s for each in proof["spans"] for s in each["least"]), key=double)
+
+
+def dropped(proof, draw):
+    proof["spans"].pop(draw.randrange(len(proof["spans"])))
+
+
+def gap(proof, draw):
+    k = draw.randrange(len(proof["spans"]) - 1)
+    span, after = proof["spans"][k : k + 2]
+    begin, end = double(span["from"]), double(after["from"])
+    span["to"] = spelling(begin + draw.uniform(0.5, 0.999) * (end - begin))
+
+
+def better(proof, draw):
+    proof["least"] = raised(proof["least"], 0.0)
+
+
+def another_rig(proof, draw):
+    proof["problem"]["rig"]["mass"] = raised(proof["problem"]["rig"]["mass"], 0.0)
+
+
+def bent_instant(proof, draw):
+    bend_solution(proof["instant"], draw)
+
+
+def greater_shortfall(proof, draw):
+    proof["instant"]["shortfall"] = raised(proof["instant"]["shortfall"], 1e-3 * abs(double(proof["instant"]["shortfall"])))
+
+
+def other_side(proof, draw):
+    """Farkas' vector the other way round proves nothing."""
+    proof["instant"]["multipliers"] = [spelling(-double(x)) for x in proof["instant"]["multipliers"]]
+
+
+# What may be done to a proof, and the conditions that may name it.
+OF_YES = [
+    (bent, {"C7"}),
+    (too_good, {"C1", "C8"}),
+    (dropped, {"C1", "C5", "C10"}),
+    (gap, {"C5"}),
+    (better, {"C10"}),
+    (another_rig, {"C3"}),
+]
+OF_SIX = [(bent_instant, {"C7", "C8"}), (another_rig, {"C3"})]
+OF_MORE = [(greater_shortfall, {"C13"}), (other_side, {"C13"}), (another_rig, {"C3"})]
+
+
+def bendings(proof):
+    if proof["verdict"] == "admissible":
+        return OF_YES
+    return OF_SIX if "cable" in proof["instant"] else OF_MORE
+
+
+def wrong_about(line, draw):
+    """What the checker says wrongly of a proof and of its bent versions, and how many it saw."""
+    proof, wrong = json.loads(line), []
+    try:
+        if check(line).verdict != proof["verdict"]:
+            wrong.append("another verdict")
+    except Refused as refused:
+        return [f"honest, refused: {refused}"], 0
+    for bend, conditions in bendings(proof):
+        other = json.loads(line)
+        bend(other, draw)
+        try:
+            check(json.dumps(other))
+            wrong.append(f"{bend.__name__}: accepted")
+        except Refused as refused:
+            if refused.condition not in conditions:
+                wrong.append(f"{bend.__name__}: refused for another reason: {refused}")
+    return wrong, len(bendings(proof))
+
+
+def main(program, cases, seed, per_seed=1000):
+    honest, bad, wrong, spent = 0, 0, 0, []
+    begun = time.monotonic()
+    while honest < cases:
+        command = [program, "study", "proofs", "--cases", str(min(per_seed, cases - honest)), "--seed", str(seed)]
+        lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+        draw = random.Random(seed)
+        for line in lines:
+            before = time.process_time()
+            said, count = wrong_about(line, draw)
+            spent.append((time.process_time() - before) / (count + 1))
+            for text in said:
+                print(f"seed {seed}: {text}")
+            honest, bad, wrong = honest + 1, bad + count, wrong + len(said)
+        took = time.monotonic() - begun
+        print(f"seed {seed}: {honest} proofs, {bad} bent ones, {wrong} times wrong, {took:.0f} s", file=sys.stderr, flush=True)
+        seed += 1
+    median = sorted(spent)[len(spent) // 2]
+    print(f"{honest} proofs accepted or not as they should be, {bad} bent ones refused: {wrong} times wrong; {1e3 * median:.1f} ms each in the median")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) not in (4, 5):
+        sys.exit(__doc__)
+    sys.exit(main(sys.argv[1], *map(int, sys.argv[2:])))

@@ -1,0 +1,17 @@
+"""A sample of the campaign: what the program writes is accepted, what is bent is refused."""
+
+from pathlib import Path
+
+import campaign
+
+PROGRAM = Path(__file__).parents[1] / "target/debug/cable-robot"
+
+
+def test_proofs_of_random_problems_are_accepted_and_bent_ones_refused(capsys):
+    assert campaign.main(PROGRAM, 100, 7) == 0, capsys.readouterr().out
+
+
+def test_a_checker_that_accepts_everything_is_found_out(monkeypatch, capsys):
+    monkeypatch.setattr(campaign, "check", lambda text: campaign.json.loads(text) and type("V", (), campaign.json.loads(text)))
+    assert campaign.main(PROGRAM, 4, 7) == 1
+    assert "accepted" in capsys.readouterr().out
