@@ -13,6 +13,10 @@ use cable_robot::robot::PerCable;
 /// A cable is at rest that moves by no more than this share of `slack.most` in a quarter of `slack.ramp`, and goes the wrong way that has moved so far back.
 const STILL: f64 = 0.05;
 
+/// The damper makes up for a spring that is late by so many periods; the loop itself has two. With more of it a light
+/// winch swings sooner when the link is slow.
+const DAMPED: f64 = 5.0;
+
 /// Which way a cable moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JogDirection {
@@ -158,14 +162,14 @@ impl Bridge {
         winch.tension(winch.target_torque(self.config.slack.pretension))
     }
 
-    /// N, below 0 outwards. The damper makes up for the delay of the spring, even if that is as long as allowed.
+    /// N, below 0 outwards.
     pub(super) fn jog_pull(&self, jog: &Jog) -> PerCable<f64> {
         let mut tension = PerCable::filled(self.cables(), 0.0);
         let Some(way) = jog.way else { return tension };
         let (_, rate) = self.drives[jog.cable].encoder.last_measured();
         let ([sign, pull], most) = (jog.direction.signs(), self.config.slack.pretension);
         let stiffness = most / self.config.slack.most;
-        let damping = stiffness * self.config.limits.latency * self.config.period as f64 * 1e-9;
+        let damping = stiffness * DAMPED * self.config.period as f64 * 1e-9;
         let along = stiffness * way.lead + damping * (self.jog_speed() - sign * rate);
         tension[jog.cable] = pull * along.clamp(-most, most);
         tension
