@@ -4,7 +4,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use cable_robot::reach::certificate::{certify, prove};
+use cable_robot::reach::certificate::{Proof, certify, prove};
 use clap::Args;
 
 use super::cases::any_problem;
@@ -29,10 +29,9 @@ pub struct Proofs {
     seed: u64,
 }
 
-/// What the cases come to.
+/// What the cases of one verdict come to.
 #[derive(Default)]
 struct Seen {
-    undecided: usize,
     bytes: Vec<usize>,
     finding: Vec<Duration>,
     /// Finding, once more, and writing.
@@ -41,7 +40,8 @@ struct Seen {
 
 impl Proofs {
     pub fn run(&self) -> Result<Outcome> {
-        let (mut seen, mut out) = (Seen::default(), std::io::stdout().lock());
+        let (mut admissible, mut refused, mut undecided) = (Seen::default(), Seen::default(), 0);
+        let mut out = std::io::stdout().lock();
         for batch in 0..self.cases.div_ceil(BATCH) {
             let mut rng = random_of(self.seed, batch);
             for case in 0..BATCH.min(self.cases - batch * BATCH) {
@@ -51,9 +51,10 @@ impl Proofs {
                 let found = Instant::now();
                 let (_, proof) = prove(&rig, &step)?;
                 let Some(proof) = proof else {
-                    seen.undecided += 1;
+                    undecided += 1;
                     continue;
                 };
+                let seen = if matches!(proof, Proof::Admissible(_)) { &mut admissible } else { &mut refused };
                 let document = document(&rig, &step, &proof)?;
                 seen.bytes.push(laid_out(&document)?.len());
                 seen.proving.push(found.elapsed());
@@ -62,20 +63,21 @@ impl Proofs {
                 writeln!(out, "{line}").context("cannot write to stdout")?;
             }
         }
-        say(seen.in_words());
+        say(format_args!("admissible: {}", admissible.in_words()));
+        say(format_args!("not admissible: {}", refused.in_words()));
+        say(format_args!("undecided, so without a proof: {undecided}"));
         Ok(Outcome::Done)
     }
 }
 
 impl Seen {
     fn in_words(mut self) -> String {
-        let Some(most) = self.bytes.iter().max().copied() else { return "nothing was proved".to_owned() };
+        let Some(most) = self.bytes.iter().max().copied() else { return "none".to_owned() };
         let [finding, proving] =
             [&mut self.finding, &mut self.proving].map(|times| 1e6 * median(times).as_secs_f64());
         format!(
-            "{} proofs, {} undecided; {:.1} kB in the median, {:.1} kB at most; finding {finding:.0} µs, finding and writing {proving:.0} µs in the median",
+            "{} proofs, {:.1} kB in the median, {:.1} kB at most; finding {finding:.0} µs, finding and writing {proving:.0} µs in the median",
             self.bytes.len(),
-            self.undecided,
             1e-3 * median(&mut self.bytes) as f64,
             1e-3 * most as f64,
         )
