@@ -243,10 +243,12 @@ def judge(span, given, numbers, middle, whole):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
-    pulls = models([middle[3][i] for i in numbers], [whole[3][i] for i in numbers], order) * bernstein(order)
-    for i, row in zip(numbers, pulls.tolist()):
-        width, low, high = whole[1][i][0].upper() * spread[i], span["least"][i], span["greatest"][i]
-        least, most = -largest([-x for x in row]) - width, largest(row) + width
+    pulls, lengths = [(models([middle[m][i] for i in numbers], [whole[m][i] for i in numbers], order)
+                       * bernstein(order)).tolist() for m in (3, 1)]
+    for i, pull, length in zip(numbers, pulls, lengths):
+        least = -largest([spread[i] * b - a for a, b in zip(pull, length)])
+        most = largest([spread[i] * b + a for a, b in zip(pull, length)])
+        low, high = span["least"][i], span["greatest"][i]
         if not (least >= low and most <= high):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
                                   f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
