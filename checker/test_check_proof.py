@@ -395,6 +395,20 @@ def test_bounds_just_beyond_dense_samples_are_refused():
         assert refused(sealed(proof)) == "C8"
 
 
+def test_bounds_close_to_what_large_errors_allow_are_accepted():
+    proof = json.loads(json.dumps(PULLEYS))
+    span = proof["spans"][3]
+    span["error"] = [0.5] * 6
+    middle, half = (span["from"] + span["to"]) / 2, (span["to"] - span["from"]) / 2
+    points = [(state(proof["problem"], middle + half * x / 100)[1], x / 100) for x in range(-100, 101)]
+    for i in range(6):
+        found = [(lengths[i] * value(span["solution"][i], x), lengths[i] * 0.5) for lengths, x in points]
+        span["least"][i] = min(a - b for a, b in found) - 1e-4
+        span["greatest"][i] = max(a + b for a, b in found) + 1e-4
+    remade(proof)
+    assert check(sealed(proof)).verdict == "admissible"
+
+
 FILES = [
     ("version", lambda t: t.replace('"version": 1', '"version": 2')),
     ("version as text", lambda t: t.replace('"version": 1', '"version": "1"')),
