@@ -58,17 +58,14 @@ impl World {
     fn beginnings_of([fieldbus, rig]: [&str; 2]) -> Vec<Self> {
         let rig = RigFile::parse(rig).expect("the example is right");
         let config = Config::parse(fieldbus, &rig).expect("the example is right");
-        let fresh =
-            || Bench::new(config.clone(), PlantParameters::default()).expect("an ideal plant is allowed");
-        let (start, mut homing, mut ready, mut enabled) = (fresh(), fresh(), fresh(), fresh());
-        assert!(homing.run_until(State::Homing, 20.0));
-        homing.run(0.1);
-        assert!(ready.start());
-        ready.is_pressed = false;
-        ready.bridge.operator(OperatorCommand::Release, ready.now).expect("it can always be released");
-        assert!(enabled.start());
-        enabled.run(0.5);
-        let mut worlds = [start, homing, ready, enabled].map(Self::of).to_vec();
+        // One after the other: a bridge with all that belongs to it is large for a stack.
+        let mut worlds = Vec::new();
+        for lead in [|_: &mut Bench| (), to_homing, to_ready, to_enabled] {
+            let bench = Bench::new(config.clone(), PlantParameters::default());
+            let mut bench = Box::new(bench.expect("an ideal plant is allowed"));
+            lead(&mut bench);
+            worlds.push(Self::of(*bench));
+        }
         worlds.push(Self { bridge: Bridge::shadow(config), ..worlds[0].clone() });
         worlds
     }
@@ -149,6 +146,22 @@ impl World {
         );
         assert!(report.state != State::Shadow || out.frames().is_empty(), "a shadow sent {:?}", out.frames());
     }
+}
+
+fn to_homing(bench: &mut Bench) {
+    assert!(bench.run_until(State::Homing, 20.0));
+    bench.run(0.1);
+}
+
+fn to_ready(bench: &mut Bench) {
+    assert!(bench.start());
+    bench.is_pressed = false;
+    bench.bridge.operator(OperatorCommand::Release, bench.now).expect("it can always be released");
+}
+
+fn to_enabled(bench: &mut Bench) {
+    assert!(bench.start());
+    bench.run(0.5);
 }
 
 /// Function code, node, length and kind, data.
