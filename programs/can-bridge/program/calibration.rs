@@ -132,7 +132,14 @@ impl Calibration {
     }
 
     /// Notes what was measured. What was measured before stays where nothing new is.
-    pub fn note(&mut self, numbers: &Numbers, config: &Config, accuracy: &Accuracy, gains: Option<&Gains>) {
+    pub fn note(
+        &mut self,
+        numbers: &Numbers,
+        config: &Config,
+        accuracy: &Accuracy,
+        fitted: Option<&commission::Calibration>,
+        gains: Option<&Gains>,
+    ) {
         let unix_time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
         if let Some(reading) = &numbers.zero {
             self.zero = Some(Zero { unix_time, reading: reading.to_vec() });
@@ -149,8 +156,7 @@ impl Calibration {
                     .iter()
                     .map(|placement| (placement.pose.0.into(), placement.lengthening.to_vec()))
                     .collect(),
-                offered: fitted(config, &numbers.placements, accuracy)
-                    .map(|found| Offered::of(&found, config)),
+                offered: fitted.map(|found| Offered::of(found, config)),
             });
         }
         if !numbers.weighings.is_empty() {
@@ -179,10 +185,6 @@ impl Calibration {
     }
 }
 
-fn fitted(config: &Config, placements: &[Placement], accuracy: &Accuracy) -> Option<commission::Calibration> {
-    commission::Calibration::new(&World::of(config), placements, accuracy)
-}
-
 impl Offered {
     fn of(found: &commission::Calibration, config: &Config) -> Self {
         let file = World::of(config);
@@ -207,11 +209,9 @@ impl Offered {
 }
 
 /// What the files would better say, in lines; empty if nothing is off by more than it may be.
-pub fn offer(config: &Config, placements: &[Placement], accuracy: &Accuracy) -> String {
-    let file = World::of(config);
-    let Some(found) = fitted(config, placements, accuracy) else { return String::new() };
+pub fn offer(file: &World, found: &commission::Calibration) -> String {
     let is_off = |fitted: &&Fitted| fitted.amount.abs() > SHOWN * fitted.deviation;
-    let lines: Vec<_> = found.measured(&file).filter(is_off).map(|fitted| format!("\n  {fitted}")).collect();
+    let lines: Vec<_> = found.measured(file).filter(is_off).map(|fitted| format!("\n  {fitted}")).collect();
     if lines.is_empty() {
         return String::new();
     }
@@ -254,14 +254,16 @@ mod tests {
         let fieldbus = folder.path().join("lab.toml");
         let mut calibration = Calibration::read(&fieldbus).unwrap();
         let zero = Numbers { zero: Some(PerCable::filled(6, 0.25)), ..Numbers::default() };
-        calibration.note(&zero, &config(), &accuracy(), None);
+        calibration.note(&zero, &config(), &accuracy(), None, None);
         calibration.write(&fieldbus).unwrap();
         let mut calibration = Calibration::read(&fieldbus).unwrap();
         let file = World::of(&config());
         let poses = [[0.1, 0.05, 0.9], [-0.1, 0.1, 0.8]].map(|[x, y, z]| Pose::at(x, y, z));
         let placement = |pose: &Pose| Placement { pose: *pose, lengthening: file.lengthening(pose) };
         let placements = poses.iter().map(placement).collect();
-        calibration.note(&Numbers { placements, ..Numbers::default() }, &config(), &accuracy(), None);
+        let numbers = Numbers { placements, ..Numbers::default() };
+        let found = commission::Calibration::new(&file, &numbers.placements, &accuracy());
+        calibration.note(&numbers, &config(), &accuracy(), found.as_ref(), None);
         assert_eq!(calibration.zero.as_ref().unwrap().reading, [0.25; 6]);
         let poses = calibration.poses.as_ref().unwrap();
         let offered = poses.offered.as_ref().unwrap();
@@ -282,10 +284,13 @@ mod tests {
             [[0.1, 0.05, 0.9], [-0.1, 0.1, 0.8], [0.0, -0.1, 0.95]].map(|[x, y, z]| Pose::at(x, y, z));
         let placement = |pose: &Pose| Placement { pose: *pose, lengthening: truth.lengthening(pose) };
         let placements: Vec<_> = poses.iter().map(placement).collect();
-        let text = offer(&config(), &placements, &accuracy());
+        let offered = |placements: &[Placement]| {
+            offer(&file, &commission::Calibration::new(&file, placements, &accuracy()).unwrap())
+        };
+        let text = offered(&placements);
         assert!(text.contains("home, x: +"), "{text}");
         let right: Vec<_> =
             poses.iter().map(|pose| Placement { pose: *pose, lengthening: file.lengthening(pose) }).collect();
-        assert_eq!(offer(&config(), &right, &accuracy()), "");
+        assert_eq!(offered(&right), "");
     }
 }

@@ -7,7 +7,7 @@ use anyhow::Result;
 use cable_robot::robot::{PerCable, Pose};
 use cable_robot_fieldbus::bridge::{Event, Identity};
 use cable_robot_fieldbus::commission::{
-    Accuracy, Gains, NEEDED, Placement, Plan, Quantity, Verdict, Weighing, World,
+    self, Accuracy, Gains, NEEDED, Placement, Plan, Quantity, Verdict, Weighing, World,
 };
 use cable_robot_fieldbus::{Config, State};
 
@@ -184,12 +184,13 @@ impl Survey {
     /// Keeps the numbers that were measured, and offers what they tell.
     fn calibrate(&self, fieldbus: &Path, config: &Config) -> Result<()> {
         let numbers = self.numbers();
-        let offer = calibration::offer(config, &numbers.placements, &self.accuracy);
+        let found = commission::Calibration::new(&self.file, &numbers.placements, &self.accuracy);
+        let offer = found.as_ref().map_or(String::new(), |found| calibration::offer(&self.file, found));
         if !offer.is_empty() {
             say(offer);
         }
         let mut file = Calibration::read(fieldbus)?;
-        file.note(&numbers, config, &self.accuracy, self.gains().as_ref());
+        file.note(&numbers, config, &self.accuracy, found.as_ref(), self.gains().as_ref());
         file.write(fieldbus)?;
         say(format_args!("can-bridge: {} written", calibration::path(fieldbus).display()));
         Ok(())
