@@ -12,6 +12,7 @@ mod platforms;
 mod python;
 mod rig_demo;
 mod verify;
+mod wheel;
 
 use cable_robot_fmi::describe::Version;
 use clap::{Parser, Subcommand};
@@ -48,6 +49,12 @@ enum Task {
         /// With libraries for x86_64 Linux (glibc 2.17) and Windows, into target/platforms/modelica; .ci/all installs what that takes
         #[arg(long)]
         all: bool,
+    },
+    /// Builds the Python package with the FMUs and the command cable-robot, into target/wheels
+    Wheel {
+        /// Without optimisation, which compiles in less time: for tests
+        #[arg(long)]
+        debug: bool,
     },
     /// Tries the FMUs in the tools of others, and writes docs/interop.md
     Interop,
@@ -93,6 +100,10 @@ fn main() -> anyhow::Result<()> {
         Task::Modelica { all } => {
             let package = if all { modelica::build_for_all()? } else { modelica::build()? };
             println!("{}", package.display());
+            Ok(())
+        }
+        Task::Wheel { debug } => {
+            println!("{}", wheel::build(!debug)?.display());
             Ok(())
         }
         Task::Interop => {

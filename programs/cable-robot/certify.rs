@@ -12,9 +12,9 @@ use cable_robot_report::files::probe;
 use clap::{Args, ValueHint};
 use serde_json::json;
 
-use crate::arguments::{bound, pose, rates, share};
-use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json, proof};
+use crate::command::arguments::{bound, pose, rates, share};
+use crate::command::rig::RigArgument;
+use crate::command::{Outcome, print, print_json, proof};
 
 /// What a proof file of this version cannot say.
 const NO_MARGINS: &str = "a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
@@ -160,7 +160,7 @@ impl Certify {
 }
 
 /// A proof that a limit is broken may be of a late instant. If it is broken before, the first instant seen of that.
-fn earliest(rig: &Rig, step: &Step, verdict: Verdict) -> Verdict {
+pub fn earliest(rig: &Rig, step: &Step, verdict: Verdict) -> Verdict {
     let Verdict::NotAdmissible { time, .. } = verdict else { return verdict };
     let seen = extremes_from(rig, &step.gains, (&step.start, &step.rates), &step.set_point);
     match seen.and_then(|seen| seen.first_outside).filter(|first| first.time < time) {

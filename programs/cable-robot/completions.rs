@@ -7,7 +7,7 @@ use cable_robot::sim::BUNDLED;
 use clap::{Args, Command, CommandFactory, ValueEnum, ValueHint};
 use clap_complete::{Generator, shells};
 
-use crate::{Arguments, Outcome};
+use crate::command::{Arguments, Outcome};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot completions bash

@@ -15,7 +15,7 @@ use cable_robot_fmi::{archive, can};
 use clap::{Args, ValueHint};
 use serde_json::json;
 
-use crate::{Outcome, print, print_json};
+use crate::command::{Outcome, installation, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot fmu --rig rigs/eight.toml --output my-fmus
@@ -82,7 +82,7 @@ impl Fmu {
 
 /// The folder of FMUs given, or the one beside the program or where the project packs them.
 pub fn library_folder(given: Option<&Path>) -> Result<PathBuf> {
-    if let Some(folder) = given {
+    if let Some(folder) = given.or(installation().fmus.as_deref()) {
         return Ok(folder.to_owned());
     }
     let program = std::env::current_exe().unwrap_or_default();

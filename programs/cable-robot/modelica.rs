@@ -10,8 +10,8 @@ use cable_robot_report::files::write_whole;
 use clap::{Args, ValueHint};
 use nalgebra::Vector3;
 
-use crate::rig::RigArgument;
-use crate::{Outcome, print};
+use crate::command::rig::RigArgument;
+use crate::command::{Outcome, print};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot modelica --rig rigs/eight.toml --name Eight --output Eight.mo

@@ -6,8 +6,8 @@ use cable_robot::reach::Slice;
 use cable_robot::reach::static_region::Grid;
 use nalgebra::Vector2;
 
-use crate::workspace::Found;
-use crate::{metres, number};
+use crate::command::workspace::Found;
+use crate::command::{metres, number};
 
 /// Shades by quarters of the greatest margin.
 const SHADES: [char; 4] = ['░', '▒', '▓', '█'];

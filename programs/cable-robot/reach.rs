@@ -11,9 +11,9 @@ use clap::Args;
 use nalgebra::Vector2;
 use serde_json::json;
 
-use crate::arguments::pose;
-use crate::rig::{RigArgument, require_rest};
-use crate::{Outcome, metres, print, print_json};
+use crate::command::arguments::pose;
+use crate::command::rig::{RigArgument, require_rest};
+use crate::command::{Outcome, metres, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot reach --from 0,0,1 --to 0.15,0.15,1

@@ -10,8 +10,8 @@ use cable_robot_report::{Digest, compare, html};
 use clap::{Args, ValueHint};
 use serde_json::json;
 
-use crate::progress::WatchedFile;
-use crate::{Outcome, opener, print, print_json};
+use crate::command::progress::WatchedFile;
+use crate::command::{Outcome, opener, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Examples: cable-robot simulate paper --output run && cable-robot report run --open

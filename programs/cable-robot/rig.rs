@@ -13,7 +13,7 @@ use clap::{Args, ValueHint};
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::{metres, number};
+use crate::command::{metres, number};
 
 #[derive(Args)]
 pub struct RigArgument {
@@ -50,6 +50,9 @@ impl RigArgument {
 }
 
 /// Reads a rig file.
+///
+/// # Errors
+/// What cannot be read, or the line that makes no sense.
 pub fn read(path: &Path) -> Result<RigFile> {
     let text = read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
     RigFile::parse(&text).with_context(|| path.display().to_string())
@@ -85,7 +88,10 @@ fn at_its_line(path: &Path, refused: Error) -> Error {
 }
 
 /// The controller for a rig, with the planner that serves it if none is given.
-fn controller(file: &RigFile, planner: Option<PlannerKind>) -> Result<ControllerParameters> {
+///
+/// # Errors
+/// A gain that makes no sense, or a planner that is not for this rig.
+pub fn controller(file: &RigFile, planner: Option<PlannerKind>) -> Result<ControllerParameters> {
     let RigFile { rig, lambda, eta, .. } = file;
     let of_rig = ControllerParameters::of(rig);
     let planner = planner.unwrap_or(of_rig.planner);
@@ -95,6 +101,9 @@ fn controller(file: &RigFile, planner: Option<PlannerKind>) -> Result<Controller
 }
 
 /// Refuses a pose above all anchors; `name` is what the user calls it.
+///
+/// # Errors
+/// Which coordinate, and what would be right.
 pub fn require_below(rig: &Rig, name: &str, pose: &Pose) -> Result<()> {
     if rig.can_be_at(pose) {
         return Ok(());
@@ -107,6 +116,9 @@ pub fn require_below(rig: &Rig, name: &str, pose: &Pose) -> Result<()> {
 }
 
 /// Refuses a start where the platform cannot rest; `name` is what the user calls it.
+///
+/// # Errors
+/// Why, and which cable.
 pub fn require_rest(parameters: &ControllerParameters, name: &str, from: &Pose) -> Result<()> {
     let rig = &parameters.rig;
     require_below(rig, name, from)?;

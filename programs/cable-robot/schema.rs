@@ -5,7 +5,7 @@ use cable_robot::robot::rig_file;
 use cable_robot::sim::scenario_file;
 use clap::{Args, ValueEnum};
 
-use crate::{Outcome, print_json, proof};
+use crate::command::{Outcome, print_json, proof};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot schema rig

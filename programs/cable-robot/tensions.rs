@@ -9,9 +9,9 @@ use cable_robot::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::arguments::{accelerations, pose, rates};
-use crate::rig::RigArgument;
-use crate::{Outcome, print, print_json};
+use crate::command::arguments::{accelerations, pose, rates};
+use crate::command::rig::RigArgument;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot tensions --pose 0.15,0.15,1

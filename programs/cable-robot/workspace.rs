@@ -14,10 +14,10 @@ use clap::Args;
 use nalgebra::{Vector2, Vector3};
 use serde_json::json;
 
-use crate::arguments::{angles, finite};
-use crate::progress::Progress;
-use crate::rig::RigArgument;
-use crate::{Outcome, metres, number, picture, print, print_json};
+use crate::command::arguments::{angles, finite};
+use crate::command::progress::Progress;
+use crate::command::rig::RigArgument;
+use crate::command::{Outcome, metres, number, picture, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot workspace --height 0.7 --svg workspace.svg
@@ -96,7 +96,7 @@ impl Workspace {
         }
         let Some(found) = found else { return Ok(Outcome::NotReachable) };
         if found.unseen > WORTH_SAYING {
-            crate::say(format_args!(
+            crate::command::say(format_args!(
                 "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
                 100.0 * found.unseen
             ));

@@ -7,7 +7,7 @@ use super::Made;
 use super::chart::{BLACK, COLOURS, Chart, Look, Panel, Series};
 use super::manoeuvre::simulated;
 use super::run::{Run, run};
-use crate::simulate::source;
+use crate::command::simulate::source;
 
 /// The bundled scenario, whose force loop is closed, and the same with it open.
 fn measured() -> Result<[Run; 2]> {

@@ -9,7 +9,7 @@ use cable_robot::robot::{Coordinates, PerCable, Pose};
 use super::Made;
 use super::chart::{BLACK, COLOURS, Chart, Look, Panel, Series};
 use super::run::{GOAL, Run, drawn, run};
-use crate::simulate::source;
+use crate::command::simulate::source;
 
 /// x and y of the set points printed in Eq. (18), m.
 pub const PRINTED: [[f64; 2]; 3] = [[0.09, 0.085], [0.13, 0.128], [0.15, 0.15]];

@@ -17,7 +17,7 @@ use cable_robot_report::files::{Part, probe};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
-use crate::{Outcome, print, print_json};
+use crate::command::{Outcome, print, print_json};
 use chart::Chart;
 
 pub const EXAMPLE: &str = "\

@@ -16,10 +16,10 @@ use cable_robot_report::files::{probe, write_whole};
 use clap::{Args, ValueEnum, ValueHint};
 
 use self::outside::Outside;
-use crate::arguments::{finite, place, pose, seconds};
-use crate::figure::draw;
-use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, print, print_json, workspace};
+use crate::command::arguments::{finite, place, pose, seconds};
+use crate::command::figure::draw;
+use crate::command::rig::{RigArgument, require_below, require_rest};
+use crate::command::{Outcome, print, print_json, workspace};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot orbit --radius 0.4 --rate 2.75 --start 2.5 --svg orbit.svg

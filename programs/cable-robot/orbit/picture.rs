@@ -7,7 +7,7 @@ use cable_robot::robot::Rig;
 use nalgebra::Vector2;
 
 use super::Answer;
-use crate::figure::chart::{Axis, BLACK, COLOURS, Chart, GREY, Look, Note, Panel, Series, Side};
+use crate::command::figure::chart::{Axis, BLACK, COLOURS, Chart, GREY, Look, Note, Panel, Series, Side};
 
 /// Points of a curve of tensions.
 const DRAWN: usize = 801;

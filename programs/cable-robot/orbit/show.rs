@@ -10,7 +10,7 @@ use cable_robot_report::facts::limits;
 use serde_json::{Value, json};
 
 use super::Answer;
-use crate::{metres, number};
+use crate::command::{metres, number};
 
 pub fn as_text(answer: &Answer, rig: &Rig) -> String {
     let Answer { orbit, outside, found, instead } = answer;

@@ -13,9 +13,9 @@ use cable_robot::reach::certificate::Step;
 use cable_robot::robot::{Coordinates, Pose};
 use clap::{Args, ValueHint};
 
-use crate::arguments::{planner, pose};
-use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, print, print_json, proof};
+use crate::command::arguments::{planner, pose};
+use crate::command::rig::{RigArgument, require_below, require_rest};
+use crate::command::{Outcome, print, print_json, proof};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1

@@ -13,7 +13,7 @@ use cable_robot_report::facts::limits;
 use serde_json::{Value, json};
 
 use super::Plan;
-use crate::metres;
+use crate::command::metres;
 
 pub fn as_text(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> String {
     let mut text = set_points(plan, planned);

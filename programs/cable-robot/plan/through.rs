@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::Plan;
 use super::show::{described, pose, tension};
-use crate::rig::require_below;
-use crate::{Outcome, metres, print, print_json};
+use crate::command::rig::require_below;
+use crate::command::{Outcome, metres, print, print_json};
 
 pub fn run(plan: &Plan, parameters: &ControllerParameters) -> Result<Outcome> {
     for pose in &plan.through {

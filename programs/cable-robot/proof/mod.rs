@@ -27,7 +27,7 @@ use document::{
 pub use layout::laid_out;
 use number::Number;
 
-use crate::say;
+use crate::command::say;
 
 /// JSON Schema of proof files.
 pub fn schema() -> Schema {

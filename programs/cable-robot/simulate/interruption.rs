@@ -20,7 +20,7 @@ impl Interruption {
         let heard = interruption.clone();
         ctrlc::set_handler(move || {
             if heard.asked.fetch_add(1, Ordering::Relaxed) > 0 {
-                exit(crate::INTERRUPTED.into());
+                exit(crate::command::INTERRUPTED.into());
             }
         })
         .context("cannot listen to Ctrl-C")?;

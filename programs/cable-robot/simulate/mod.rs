@@ -11,17 +11,17 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::time::Duration;
 
+use crate::plain::plain;
 use anyhow::{Error, Result, bail, ensure};
 use cable_robot::plan::{PlannerKind, Status};
 use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::scenario::count_steps;
 use cable_robot::sim::simulation::library_models;
-use cable_robot::sim::{BUNDLED, ControllerModel, Goal, PlantModel, PlantParameters, Scenario, Simulation};
+use cable_robot::sim::{BUNDLED, ControllerModel, PlantModel, Scenario, Simulation};
 use cable_robot_cosim::FmuModel;
 use cable_robot_fmi::Model;
 use cable_robot_fmi::models::{controller, plant};
 use cable_robot_import::{Fmu, LogMessage, Lost};
-use cable_robot_programs::plain::plain;
 use cable_robot_report::run_folder::{self, FORMAT, RunInfo};
 use clap::error::ErrorKind;
 use clap::{Args, Command, ValueHint};
@@ -29,12 +29,16 @@ use clap::{Args, Command, ValueHint};
 use self::interruption::Interruption;
 use self::record::{Record, Sink};
 use self::summary::Summary;
-use crate::arguments::{planner, pose, seconds};
-use crate::progress::Progress;
-use crate::rig::{RigArgument, require_below, require_rest};
-use crate::{Outcome, lost, number, print, print_json, say};
+use crate::command::arguments::{planner, pose, seconds};
+use crate::command::progress::Progress;
+use crate::command::rig::{RigArgument, require_below, require_rest};
+use crate::command::{Outcome, lost, number, print, print_json, say};
 #[cfg(unix)]
-use {crate::FMU_WORKER, anyhow::Context, cable_robot_import::Worker};
+use {
+    crate::command::{FMU_WORKER, Installation, installation},
+    anyhow::Context,
+    cable_robot_import::Worker,
+};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
@@ -189,7 +193,7 @@ impl Simulate {
                 let names = BUNDLED.map(|(name, _)| name).join(", ");
                 let wanted = format!("give a scenario ({names}, or a file), or a goal with --to x,y,z");
                 let mut command = Self::augment_args(Command::new("cable-robot simulate"));
-                command.error(ErrorKind::MissingRequiredArgument, wanted).exit()
+                Err(command.error(ErrorKind::MissingRequiredArgument, wanted).into())
             }
         }
     }
@@ -204,17 +208,7 @@ impl Simulate {
         let name = if self.from.is_some() { "--from".to_owned() } else { self.rig.name_of_home() };
         require_rest(&controller, &name, &from)?;
         require_below(&file.rig, "--to", &to)?;
-        Ok(Scenario {
-            title: format!("From {} to {}", summary::place(&from), summary::place(&to)),
-            rig: file.name,
-            plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
-            controller,
-            orbit: None,
-            goals: vec![Goal::new(0.0, to)],
-            disturbances: vec![],
-            duration: self.duration,
-            step: self.step,
-        })
+        Ok(source::of_goal(&file, controller, (from, to), (self.duration, self.step)))
     }
 
     /// Ours, but for what an FMU replaces.
@@ -269,12 +263,15 @@ impl Simulate {
         if self.in_process {
             return Ok(Fmu::open(path)?);
         }
-        let program = std::env::current_exe().context("cannot find this program to run the FMU in")?;
+        let Installation { program, arguments, .. } = installation();
+        let own = || std::env::current_exe().context("cannot find this program to run the FMU in");
+        let program = program.clone().map_or_else(own, Ok)?;
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).chain([FMU_WORKER]).collect();
         let limit = Duration::try_from_secs_f64(self.fmu_timeout).unwrap_or(Duration::MAX);
         let interruption = interruption.clone();
         // Nothing depends on whether stderr is read.
         let show = |text: &str| drop(write!(std::io::stderr(), "{}", plain(text)));
-        let worker = Worker::new(program, &[FMU_WORKER]).with_limit(limit).with_prints(show);
+        let worker = Worker::new(program, &arguments).with_limit(limit).with_prints(show);
         Ok(Fmu::open_apart(path, &worker.until(move || interruption.is_asked()))?)
     }
 

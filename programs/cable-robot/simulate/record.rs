@@ -9,7 +9,7 @@ use cable_robot_report::run_folder::{GrowingRun, RunInfo};
 use cable_robot_report::{Recording, Rows};
 
 use super::summary::Summary;
-use crate::is_closed_pipe;
+use crate::command::is_closed_pipe;
 
 /// Where the rows go.
 pub enum Sink {

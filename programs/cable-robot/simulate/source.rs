@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use crate::errors::similar;
 use anyhow::{Context, Result};
 use cable_robot::plan::ControllerParameters;
-use cable_robot::robot::RigFile;
-use cable_robot::sim::{BUNDLED, Scenario, ScenarioFile};
+use cable_robot::robot::{Pose, RigFile};
+use cable_robot::sim::{BUNDLED, Goal, PlantParameters, Scenario, ScenarioFile};
 use cable_robot_files::read_text;
-use cable_robot_programs::errors::similar;
 
-use crate::rig;
+use super::summary::place;
+use crate::command::rig;
 
 /// The scenario of this name, or in this file.
 pub fn named(name: &str) -> Result<Scenario> {
@@ -46,6 +47,26 @@ fn parse(text: &str, folder: &Path) -> Result<Scenario> {
     };
     rig::require_rest(&scenario.controller, &start, &scenario.plant.initial_pose)?;
     Ok(scenario)
+}
+
+/// One goal of a robot that rests at `from`; an ideal rig.
+pub fn of_goal(
+    file: &RigFile,
+    controller: ControllerParameters,
+    (from, to): (Pose, Pose),
+    (duration, step): (f64, f64),
+) -> Scenario {
+    Scenario {
+        title: format!("From {} to {}", place(&from), place(&to)),
+        rig: file.name.clone(),
+        plant: PlantParameters { rig: controller.rig, initial_pose: from, ..Default::default() },
+        controller,
+        orbit: None,
+        goals: vec![Goal::new(0.0, to)],
+        disturbances: vec![],
+        duration,
+        step,
+    }
 }
 
 /// Names and titles of the bundled scenarios.

@@ -7,7 +7,7 @@ use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::{RunFolder, RunInfo, SetPoint, Table, TableError};
 use serde_json::{Value, json};
 
-use crate::metres;
+use crate::command::metres;
 
 /// Set points shown at either end of a long list.
 const SHOWN: usize = 5;

@@ -14,9 +14,9 @@ use serde_json::json;
 
 use super::cases::{log_uniform, random_gains_of_held, random_rig_of_held};
 use super::random_of;
-use crate::arguments::planner;
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json};
+use crate::command::arguments::planner;
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study held --runs 2000

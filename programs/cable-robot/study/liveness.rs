@@ -13,8 +13,8 @@ use serde_json::json;
 
 use super::cases::{log_uniform, random_gains_of_held, random_rig_of_held};
 use super::random_of;
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study liveness --goals 1000

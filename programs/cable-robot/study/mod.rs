@@ -20,7 +20,7 @@ use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::Outcome;
+use crate::command::Outcome;
 
 #[derive(Subcommand)]
 pub enum Study {

@@ -9,8 +9,8 @@ use clap::Args;
 
 use super::cases::any_problem;
 use super::random_of;
-use crate::proof::{document, laid_out};
-use crate::{Outcome, say};
+use crate::command::proof::{document, laid_out};
+use crate::command::{Outcome, say};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study proofs --cases 1000 > proofs.jsonl

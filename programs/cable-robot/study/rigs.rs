@@ -20,9 +20,9 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::fmu::{library_folder, pack};
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json, rig, workspace};
+use crate::command::fmu::{library_folder, pack};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json, rig, workspace};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study rigs rigs/public

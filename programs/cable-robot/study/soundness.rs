@@ -8,8 +8,8 @@ use serde_json::json;
 
 use super::cases::{Case, Domain};
 use super::random_of;
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study soundness --domain certificate --cases 10000000

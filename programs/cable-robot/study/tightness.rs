@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::random_point;
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study tightness --pairs 10000

@@ -17,8 +17,8 @@ use self::look::{Found, INSTANTS, ROUNDING, excess};
 use self::moves::{Kind, Way};
 use self::stops::Runs;
 use super::random_of;
-use crate::progress::Progress;
-use crate::{Outcome, print, print_json};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study minimum-time --moves 1000000 --stops 10000
