@@ -1,13 +1,13 @@
 //! `cargo verify`: every check and every test, and a table of what ran.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
-use crate::{foreign, interop, notices, project_root, python};
+use crate::{foreign, interop, notices, pack, project_root, python, wheel};
 
 /// What became of one stage.
 struct Row {
@@ -34,7 +34,7 @@ const STAGES: [Stage; 9] = [
     ("documentation", |root| run(root, "cargo", &["doc", "--workspace", "--no-deps", "--quiet"])),
     ("bindings", bindings),
     ("licences", |_| notices::check().map(|()| Outcome::Passed(1))),
-    ("FMUs, built twice", built_twice),
+    ("FMUs", fmus),
     ("Rust tests", |root| run(root, "cargo", &["test", "--workspace", "--no-fail-fast"])),
     ("virtual machine", virtual_machine),
     ("Python tests", python_tests),
@@ -52,7 +52,15 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 4] = [
+const LONGER: [Stage; 6] = [
+    ("FMUs, built again", built_again),
+    ("wheel, released", |root| {
+        run(
+            root,
+            "env",
+            &[&wheel_of_tests(true)?, PYTEST, "-m", "pytest", "--quiet", "fmpy-tests/test_wheel.py"],
+        )
+    }),
     ("C boundary, valgrind", under_valgrind),
     ("C boundary, ASan", under_address_sanitizer),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
@@ -192,22 +200,32 @@ fn virtual_machine(root: &Path) -> Result<Outcome> {
     Ok(Outcome::Passed(passed))
 }
 
+/// Compiled, packed and checked.
+fn fmus(root: &Path) -> Result<Outcome> {
+    pack::build_everything_below(&root.join("target")).map(|_| Outcome::Passed(1))
+}
+
 /// Compiling and packing anew gives the same bytes.
-fn built_twice(root: &Path) -> Result<Outcome> {
-    let read = |paths: &[std::path::PathBuf]| paths.iter().map(std::fs::read).collect::<Result<Vec<_>, _>>();
-    let first = read(&crate::pack::build_everything_below(&root.join("target"))?)?;
-    let second = read(&crate::pack::build_everything_below(&root.join("target/again"))?)?;
-    if first != second {
-        bail!("two builds of the same sources differ");
-    }
+fn built_again(root: &Path) -> Result<Outcome> {
+    let read = |paths: &[PathBuf]| paths.iter().map(std::fs::read).collect::<Result<Vec<_>, _>>();
+    let first = read(&pack::build_everything_below(&root.join("target"))?)?;
+    let second = read(&pack::build_everything_below(&root.join("target/again"))?)?;
+    ensure!(first == second, "two builds of the same sources differ");
     Ok(Outcome::Passed(1))
 }
 
-/// pytest in an environment of its own.
+/// The interpreter of [`python::of_tests`].
+const PYTEST: &str = "target/python/bin/python";
+
+/// pytest in an environment of its own; the wheel is not optimised.
 fn python_tests(root: &Path) -> Result<Outcome> {
-    let environment = python::of_tests()?;
-    let python = environment.join("bin/python");
-    run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests", "checker"])
+    run(root, "env", &[&wheel_of_tests(false)?, PYTEST, "-m", "pytest", "--quiet", "fmpy-tests", "checker"])
+}
+
+/// Builds the wheel and the environment of the tests, and says where the wheel is as `env` takes it.
+fn wheel_of_tests(release: bool) -> Result<String> {
+    python::of_tests()?;
+    Ok(format!("CABLE_ROBOT_WHEEL={}", wheel::build(release)?.display()))
 }
 
 /// The name in `test NAME ... FAILED` of cargo and `FAILED NAME - why` of pytest.
