@@ -85,7 +85,7 @@ impl Rows {
 /// A scenario, bundled or of a file, run to its end.
 #[pyfunction]
 pub fn scenario<'py>(py: Python<'py>, name: &str) -> PyResult<Run<'py>> {
-    run(py, &command::named(name).map_err(refused)?)
+    run(py, &command::named(name, &[]).map_err(refused)?)
 }
 
 /// A robot that rests at `start` and is given one goal.

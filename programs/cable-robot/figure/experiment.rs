@@ -11,7 +11,7 @@ use crate::command::simulate::source;
 
 /// The bundled scenario, whose force loop is closed, and the same with it open.
 fn measured() -> Result<[Run; 2]> {
-    let closed = source::named("experiment")?;
+    let closed = source::named("experiment", &[])?;
     let mut open = closed.clone();
     open.controller.force_loop = false;
     Ok([run(&closed)?, run(&open)?])

@@ -16,7 +16,7 @@ pub const PRINTED: [[f64; 2]; 3] = [[0.09, 0.085], [0.13, 0.128], [0.15, 0.15]];
 
 /// The move on a perfect rig.
 pub fn simulated() -> Result<Run> {
-    run(&source::named("paper")?)
+    run(&source::named("paper", &[])?)
 }
 
 /// x and y with their set points, and the levels of those that the paper prints.

@@ -2,8 +2,10 @@
 
 mod interruption;
 mod record;
+pub mod settings;
 pub mod source;
 mod summary;
+mod sweep;
 
 use std::fs;
 use std::io::{IsTerminal, Write, stdout};
@@ -28,6 +30,7 @@ use clap::{Args, Command, ValueHint};
 
 use self::interruption::Interruption;
 use self::record::{Record, Sink};
+use self::settings::{Setting, Sweep};
 use self::summary::Summary;
 use crate::command::arguments::{planner, pose, seconds};
 use crate::command::progress::Progress;
@@ -42,6 +45,7 @@ use {
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot simulate paper --output run
+         cable-robot simulate paper --set controller.planner=exact --sweep controller.lambda=3,5,8
          cable-robot simulate --from 0,0,1 --to 0.1,0,1 --duration 5
 Scenario files: docs/scenarios.md. Exit codes besides those of every command: 3 the controller ended with the status \
 GoalUnreachable, SensorFault or WaitingForPose, 4 a cable went slack, 5 an FMU crashed or ended its process, 6 an FMU did not return \
@@ -56,6 +60,15 @@ pub struct Simulate {
         conflicts_with_all = ["rig", "from", "to", "duration", "step", "planner"]
     )]
     scenario: Option<String>,
+    /// Sets a field of the scenario, as its file names it: controller.lambda=8; may be given again
+    #[arg(long, value_name = "FIELD=VALUE", requires = "scenario", conflicts_with = "to")]
+    set: Vec<Setting>,
+    /// Runs the scenario for each of some values of a field, controller.lambda=3,5,8, and prints what each run came to; given again, for every combination
+    #[arg(long, value_name = "FIELD=VALUES", requires = "scenario", conflicts_with_all = ["to", "output", "fmu", "every"])]
+    sweep: Vec<Sweep>,
+    /// Writes a row only each so many steps
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
     /// Lists the bundled scenarios
     #[arg(long, exclusive = true)]
     list: bool,
@@ -111,6 +124,9 @@ impl Simulate {
             print(&lines.collect::<String>())?;
             return Ok(Outcome::Done);
         }
+        if let (Some(name), false) = (&self.scenario, self.sweep.is_empty()) {
+            return sweep::run(self, name);
+        }
         let scenario = self.scenario()?;
         let interruption = Interruption::listen()?;
         let models = match self.models(&scenario, &interruption) {
@@ -125,7 +141,7 @@ impl Simulate {
         let was_there = self.output.as_ref().is_some_and(|folder| folder.exists());
         self.output.as_deref().map_or(Ok(()), prepare)?;
         let sink = self.sink(&info);
-        let mut record = Record::new(&scenario, info, &lacking, sink);
+        let mut record = Record::new(&scenario, info, &lacking, sink, self.every);
         let end = match self.simulate(&scenario, models, &mut record, &interruption) {
             Err(error) if lost(&error) == Some(&Lost::Stopped) => Ok(End::Interrupted),
             end => end,
@@ -171,7 +187,7 @@ impl Simulate {
         let steps = count_steps(scenario.duration, scenario.step).map_err(Error::msg)?;
         let progress = Progress::new("simulating", steps);
         // A bar among the rows would be in their way.
-        let is_seen = self.output.is_none() && !self.json && stdout().is_terminal();
+        let is_seen = !self.sweep.is_empty() || self.output.is_none() && !self.json && stdout().is_terminal();
         for _ in 0..steps {
             if interruption.is_asked() {
                 return Ok(End::Interrupted);
@@ -187,7 +203,7 @@ impl Simulate {
 
     fn scenario(&self) -> Result<Scenario> {
         match (&self.scenario, self.to) {
-            (Some(name), _) => source::named(name),
+            (Some(name), _) => source::named(name, &self.set),
             (None, Some(to)) => self.short_form(to),
             (None, None) => {
                 let names = BUNDLED.map(|(name, _)| name).join(", ");

@@ -25,6 +25,9 @@ pub struct Record<'a> {
     pub summary: Summary<'a>,
     /// Of the recording's columns after `time` those that the models fill.
     filled: Vec<usize>,
+    /// Each so many rows one is written; how many have come.
+    every: u64,
+    rows: u64,
     written: Written,
 }
 
@@ -36,13 +39,14 @@ enum Written {
 }
 
 impl<'a> Record<'a> {
-    /// Of a scenario, without the columns `lacking`.
-    pub fn new(scenario: &'a Scenario, info: RunInfo, lacking: &[String], sink: Sink) -> Self {
+    /// Of a scenario, without the columns `lacking`; of `every` rows the first is written.
+    pub fn new(scenario: &'a Scenario, info: RunInfo, lacking: &[String], sink: Sink, every: u64) -> Self {
         let recording = Recording::new(scenario.plant.rig.cables.len());
         let all = recording.names();
         let filled = (1..all.len()).filter(|k| !lacking.contains(&all[*k])).map(|k| k - 1).collect();
         let names = all[1..].iter().filter(|name| !lacking.contains(name)).cloned();
-        Self { summary: Summary::new(scenario, info, names), recording, filled, written: Written::Not(sink) }
+        let summary = Summary::new(scenario, info, names);
+        Self { summary, recording, filled, every, rows: 0, written: Written::Not(sink) }
     }
 
     /// Adds a row, and writes it.
@@ -51,6 +55,10 @@ impl<'a> Record<'a> {
         let row = [moment.time].into_iter().chain(self.filled.iter().map(|k| numbers[*k]));
         let row: Vec<_> = row.collect();
         self.summary.add(&row);
+        self.rows += 1;
+        if !(self.rows - 1).is_multiple_of(self.every) {
+            return Ok(());
+        }
         match self.write(&row) {
             // Whoever reads has seen enough; how the run ends is told all the same.
             Err(error) if is_closed_pipe(&error) => self.written = Written::Not(Sink::Nowhere),

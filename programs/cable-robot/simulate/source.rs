@@ -9,17 +9,21 @@ use cable_robot::robot::{Pose, RigFile};
 use cable_robot::sim::{BUNDLED, Goal, PlantParameters, Scenario, ScenarioFile};
 use cable_robot_files::read_text;
 
+use super::settings::{Setting, applied};
 use super::summary::place;
 use crate::command::rig;
 
-/// The scenario of this name, or in this file.
-pub fn named(name: &str) -> Result<Scenario> {
+/// The scenario of this name, or in this file, with these fields set.
+///
+/// # Errors
+/// What cannot be read, or the line that makes no sense.
+pub fn named(name: &str, settings: &[Setting]) -> Result<Scenario> {
     let bundled = BUNDLED.iter().find(|(known, _)| *known == name);
-    let Some((_, text)) = bundled else { return from_file(Path::new(name)) };
-    parse(text, Path::new("")).with_context(|| format!("bundled scenario {name}"))
+    let Some((_, text)) = bundled else { return from_file(Path::new(name), settings) };
+    parse(text, Path::new(""), settings).with_context(|| format!("bundled scenario {name}"))
 }
 
-fn from_file(path: &Path) -> Result<Scenario> {
+fn from_file(path: &Path, settings: &[Setting]) -> Result<Scenario> {
     let names = BUNDLED.map(|(name, _)| name);
     let text = read_text(path).with_context(|| {
         let given = path.display().to_string();
@@ -28,12 +32,16 @@ fn from_file(path: &Path) -> Result<Scenario> {
         format!("cannot read the scenario {given} (bundled ones are: {}{question})", names.join(", "))
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&text, folder).with_context(|| path.display().to_string())
+    parse(&text, folder, settings).with_context(|| path.display().to_string())
 }
 
 /// `folder` is where the path of a rig begins.
-fn parse(text: &str, folder: &Path) -> Result<Scenario> {
-    let file = ScenarioFile::parse(text)?;
+fn parse(text: &str, folder: &Path, settings: &[Setting]) -> Result<Scenario> {
+    let file = if settings.is_empty() {
+        ScenarioFile::parse(text)?
+    } else {
+        ScenarioFile::parse(&applied(text, settings)?).context("with --set")?
+    };
     let (rig, base) = match file.rig() {
         Some((line, path)) => rig::read_with_controller(&folder.join(path), None)
             .with_context(|| format!("line {line}: rig = {path:?}"))?,

@@ -422,3 +422,71 @@ fn what_the_page_shows_is_so() {
     let (_, error) = written(1, &[path.to_str().unwrap()]);
     assert!(error.trim_end().ends_with(refusal), "{error}");
 }
+
+#[test]
+fn fields_set_on_the_command_line_are_as_if_the_file_said_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("quick.toml");
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/paper.toml")).unwrap();
+    let mut file: toml::Table = toml::from_str(&text).unwrap();
+    file.insert("duration".into(), toml::Value::Float(2.0));
+    let controller = file.entry("controller").or_insert_with(|| toml::Value::Table(toml::Table::new()));
+    controller.as_table_mut().unwrap().insert("lambda".into(), toml::Value::Float(8.0));
+    controller.as_table_mut().unwrap().insert("planner".into(), toml::Value::String("exact".into()));
+    fs::write(&path, toml::to_string(&file).unwrap()).unwrap();
+    let set =
+        ["--set", "controller.lambda=8.0", "--set", "controller.planner=exact", "--set", "duration=2.0"];
+    let (written_out, _) = written(0, &[path.to_str().unwrap()]);
+    let (set_out, _) = written(0, &[&["paper"], &set[..]].concat());
+    assert_eq!(written_out, set_out);
+    let (_, plain) = written(1, &["paper", "--set", "controller.lamda=8"]);
+    assert!(plain.contains("unknown field `lamda`"), "{plain}");
+    let (_, plain) = written(1, &["paper", "--set", "controller.lambda=-8"]);
+    assert!(plain.contains("controller.lambda = -8"), "{plain}");
+    let (_, wrong) = written(2, &["paper", "--set", "controller.lambda"]);
+    assert!(wrong.contains("controller.lambda=8"), "{wrong}");
+    written(2, &["--to", "0.1,0,1", "--set", "controller.lambda=8"]);
+}
+
+#[test]
+fn a_sweep_tells_of_each_combination_what_the_single_run_tells() {
+    let common = ["paper", "--set", "duration=3.0", "--json"];
+    let (out, _) = written(
+        0,
+        &[&common[..], &["--sweep", "controller.lambda=2,4", "--sweep", "controller.planner=bounded,exact"]]
+            .concat(),
+    );
+    let cases: Vec<serde_json::Value> = serde_json::from_str(&out).unwrap();
+    assert_eq!(cases.len(), 4);
+    for case in &cases {
+        let set: Vec<_> =
+            case["set"].as_object().unwrap().iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let set: Vec<_> = set.iter().flat_map(|setting| ["--set", setting]).collect();
+        let (single, _) = written(0, &[&common[..], &set].concat());
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&single).unwrap(), case["summary"]);
+    }
+    let (table, _) = written(0, &["paper", "--set", "duration=1.0", "--sweep", "controller.lambda=2,4"]);
+    assert_eq!(table.lines().count(), 3, "{table}");
+    written(
+        4,
+        &[
+            "paper",
+            "--sweep",
+            "controller.lambda=3",
+            "--set",
+            "controller.planner=exact",
+            "--set",
+            "disturbances=[{from=0.5,force=[40,0,0]}]",
+        ],
+    );
+}
+
+#[test]
+fn every_tenth_row_is_that_of_the_whole_run() {
+    let (all, _) = written(0, &["--to", "0.1,0,1", "--duration", "0.5"]);
+    let (some, _) = written(0, &["--to", "0.1,0,1", "--duration", "0.5", "--every", "10"]);
+    let [mut all, some] = [&all, &some].map(|text| text.lines().collect::<Vec<_>>());
+    let header = all.remove(0);
+    assert_eq!(some[0], header);
+    assert_eq!(some[1..], all.iter().step_by(10).copied().collect::<Vec<_>>()[..]);
+}

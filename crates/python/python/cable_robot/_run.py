@@ -56,7 +56,8 @@ class Run:
         """Draws the tensions over time; returns the axes (matplotlib)."""
         ax = axes(ax)
         lines = ax.plot(self.time, self.measured_tension, linewidth=1)
-        ax.legend(lines, [f"cable {number}" for number in range(1, len(lines) + 1)], ncols=2)
+        names = [f"cable {number}" for number in range(1, len(lines) + 1)]
+        ax.legend(lines, names, loc="center left", bbox_to_anchor=(1.0, 0.5))
         ax.set(xlabel="time (s)", ylabel="tension (N)", title=self.final_status)
         ax.set_ylim(bottom=0.0)
         ax.grid(alpha=0.3)

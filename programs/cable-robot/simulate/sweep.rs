@@ -1,0 +1,109 @@
+//! `simulate --sweep`: a scenario run for every combination of some values.
+
+use std::fmt::Write;
+
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::interruption::Interruption;
+use super::record::{Record, Sink};
+use super::settings::{Setting, combinations};
+use super::source;
+use super::{End, Simulate};
+use crate::command::progress::Progress;
+use crate::command::{Outcome, print, print_json};
+
+/// What one combination came to: its settings and the summary of the run.
+struct Case {
+    settings: Vec<Setting>,
+    summary: Value,
+    is_slack: bool,
+}
+
+/// Runs them all, on all cores.
+pub fn run(simulate: &Simulate, name: &str) -> Result<Outcome> {
+    let interruption = Interruption::listen()?;
+    let cases = combinations(&simulate.sweep);
+    let progress = Progress::new("simulating", cases.len() as u64);
+    let run = |settings: Vec<Setting>| {
+        let found = case(simulate, name, settings, &interruption);
+        progress.done(1);
+        found
+    };
+    let found: Result<Vec<Option<Case>>> = cases.into_par_iter().map(run).collect();
+    drop(progress);
+    let Some(cases) = found?.into_iter().collect::<Option<Vec<_>>>() else {
+        return Ok(Outcome::Interrupted);
+    };
+    if simulate.json {
+        print_json(&cases.iter().map(Case::as_json).collect())?;
+    } else {
+        print(&table(&cases))?;
+    }
+    Ok(if cases.iter().any(|case| case.is_slack) { Outcome::Slack } else { Outcome::Done })
+}
+
+/// `None` if it was interrupted.
+fn case(
+    simulate: &Simulate,
+    name: &str,
+    settings: Vec<Setting>,
+    interruption: &Interruption,
+) -> Result<Option<Case>> {
+    let all: Vec<_> = simulate.set.iter().chain(&settings).cloned().collect();
+    let named = || {
+        let all = settings.iter().map(|setting| format!("{}={}", setting.name, setting.value));
+        format!("--sweep, {}", all.collect::<Vec<_>>().join(", "))
+    };
+    let scenario = source::named(name, &all).with_context(named)?;
+    let models = simulate.models(&scenario, interruption)?;
+    let info = simulate.info(&scenario, &models);
+    let mut record = Record::new(&scenario, info, &[], Sink::Nowhere, 1);
+    if let End::Interrupted =
+        simulate.simulate(&scenario, models, &mut record, interruption).with_context(named)?
+    {
+        return Ok(None);
+    }
+    record.summary.finish()?;
+    Ok(Some(Case { summary: record.summary.as_json(), is_slack: record.summary.is_slack(), settings }))
+}
+
+impl Case {
+    fn as_json(&self) -> Value {
+        let set: serde_json::Map<_, _> =
+            self.settings.iter().map(|setting| (setting.name.clone(), json!(setting.value))).collect();
+        json!({ "set": set, "summary": self.summary })
+    }
+
+    /// When the last goal was reached, s after it was given.
+    fn reached(&self) -> Option<f64> {
+        let goal = self.summary["goals"].as_array()?.last()?;
+        Some(goal["reached"].as_f64()? - goal["time"].as_f64()?)
+    }
+}
+
+/// A row a case.
+fn table(cases: &[Case]) -> String {
+    let names: Vec<_> =
+        cases.iter().take(1).flat_map(|case| &case.settings).map(|setting| &setting.name).collect();
+    let widths: Vec<_> = names.iter().map(|name| name.len().max(8)).collect();
+    let mut text = String::new();
+    for (name, width) in names.iter().zip(&widths) {
+        let _ = write!(text, "{name:>width$}  ");
+    }
+    text += "last goal after (s)  smallest tension (N)  slack  status\n";
+    for case in cases {
+        for (setting, width) in case.settings.iter().zip(&widths) {
+            let value = setting.value.as_str().map_or_else(|| setting.value.to_string(), str::to_owned);
+            let _ = write!(text, "{value:>width$}  ");
+        }
+        let reached = case.reached().map_or("-".to_owned(), |time| format!("{time:.3}"));
+        let smallest =
+            case.summary["smallestTension"]["tension"].as_f64().map_or("-".to_owned(), |u| format!("{u:.3}"));
+        let (slack, status) =
+            (if case.is_slack { "yes" } else { "no" }, case.summary["status"].as_str().unwrap_or("-"));
+        let _ = writeln!(text, "{reached:>19}  {smallest:>20}  {slack:>5}  {status}");
+    }
+    text
+}
