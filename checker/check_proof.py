@@ -2,18 +2,19 @@
 
     python check_proof.py FILE...
 
-Written from the description of the format alone; (C1) to (C13) are its conditions, and names are its names.
+Written from the description of the format alone; (C1) to (C17) are its conditions, and names are its names.
 A real number is an `arb`, a ball that holds it; comparing balls gives True only of what is certain. A function of
 time is an `arb_series`, its Taylor coefficients, each a ball. Units: m, kg, s, N, N m, rad.
 """
-import functools
 import math
 import sys
 from collections import namedtuple
 from fractions import Fraction
 
-from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq, fmpq_poly
+from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
+from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models
+from margins import check_disturbance, judge_tube, make_tube, stiffness
 from proof_file import SIZE, Refused, brief, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
@@ -24,11 +25,8 @@ RESTS = 60         # pieces of 1/mu that the last span is cut in at most
 
 Verdict = namedtuple("Verdict", "verdict bounds sha256")
 Cable = namedtuple("Cable", "anchor attachment radius axis")
-Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap")
-
-
-class Undecided(Refused):
-    """Not proved of a piece of time as a whole; of its parts it may be."""
+Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap tube",
+                     defaults=[None])
 
 
 # --- The motion: (C4) ----------------------------------------------------------------------------------------------
@@ -56,10 +54,11 @@ def prepare(rig, step):
 
 
 def check_angles(problem):
-    """(C4)."""
-    slow, gap = problem.slow, problem.gap
+    """(C4); bounds of |roll|, |pitch| and |yaw| in the tube (rad), each less a multiple of 2 pi."""
+    slow, gap, bounds = problem.slow, problem.gap, []
     for j, name in (3, "roll"), (4, "pitch"), (5, "yaw"):
-        e, v = problem.error[j], problem.rates[j]
+        e, v, place = problem.error[j], problem.rates[j], reduced(problem.place[j])
+        play = problem.tube.play[0][j] if problem.tube else 0
         extremes = [arb(0), e]
         k = v + problem.fast * e        # e_0 f + v_0 phi = e_0 exp(-M t) + k phi
         if v != 0 and k / v > 0:
@@ -69,10 +68,10 @@ def check_angles(problem):
         elif v != 0 and not k / v <= 0:     # k may be 0; phi is below 1/mu
             extremes += [abs(e) + abs(k) / slow, -abs(e) - abs(k) / slow]
         for x in extremes:
-            demand(abs(x) < arb.pi(), "C4", f"{name}: expected an error within pi, found {float(x)}")
-            if name == "pitch":
-                pitch = reduced(problem.place[j]) + x
-                demand(abs(pitch) < arb.pi() / 2, "C4", f"expected a pitch within pi/2, found {float(pitch)}")
+            demand(abs(x + play) < arb.pi(), "C4", f"{name}: expected an error within pi, found {float(x)}")
+        bounds.append(largest([abs(place + x + play).upper() for x in extremes]))
+    demand(bounds[1] < arb.pi() / 2, "C4", f"expected a pitch within pi/2, found {float(bounds[1])}")
+    return bounds
 
 
 def decays(problem, time):
@@ -109,18 +108,12 @@ def coordinates(problem, start, scale):
     dq = [x.derivative() * (1 / scale) for x in q]
     ddq = [x.derivative() * (1 / scale) for x in dq]
     ctx.cap -= 2
+    if problem.tube:    # at each instant its motions differ from this one by unknown constants
+        q, dq, ddq = [[x + y for x, y in zip(*both)] for both in zip((q, dq, ddq), problem.tube.play)]
     return q, dq, ddq
 
 
 # --- The equations -------------------------------------------------------------------------------------------------
-
-def dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a, b):
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
 
 def root(x, what):
     """Square root of a series, both proved to be positive (C6); tighter than its method where `x` is wide."""
@@ -131,7 +124,8 @@ def root(x, what):
 
 
 def equations(problem, start, scale):
-    """v and l of each cable (m) and w (N, N m), platform's frame, as series (see `coordinates`); (C6)."""
+    """v and l of each cable (m) and w (N, N m), platform's frame, the transpose of R, and kappa, a and e (m) of each
+    cable's pulley, as series (see `coordinates`); (C6)."""
     q, dq, ddq = coordinates(problem, start, scale)
     (sa, ca), (sb, cb), (sc, cc) = [x.sin_cos() for x in q[3:]]
     cc_sb, sc_sb = cc * sb, sc * sb
@@ -140,12 +134,15 @@ def equations(problem, start, scale):
             [cc_sb * ca + sc * sa, sc_sb * ca - cc * sa, cb * ca]]
     def platform(vector):
         return [dot(row, vector) for row in turn]
-    vectors, lengths = [], []
+    vectors, lengths, wheels = [], [], []
     for i, cable in enumerate(problem.cables, 1):
         a = platform([x - p for x, p in zip(cable.anchor, q)])
-        v = [x - b for x, b in zip(a, cable.attachment)]
+        v, wheel = [x - b for x, b in zip(a, cable.attachment)], []
         if cable.axis:
-            v = round_pulley(v, cable.radius, platform(cable.axis), i)
+            axis, a = platform(cable.axis), v
+            v, e = round_pulley(a, cable.radius, axis, i)
+            wheel = [axis, a, e]
+        wheels.append(wheel)
         vectors.append(v)
         lengths.append(root(dot(v, v), f"length of cable {i}"))
     (da, db, dc), (dda, ddb, ddc) = dq[3:], ddq[3:]
@@ -155,11 +152,11 @@ def equations(problem, start, scale):
     momentum, rate = [[dot(row, x) for row in problem.inertia] for x in (spin, dspin)]
     force = platform([problem.mass * (a - g) - f for a, g, f in zip(ddq, problem.gravity, problem.force)])
     torque = [a + b - c for a, b, c in zip(rate, cross(spin, momentum), platform(problem.torque))]
-    return vectors, lengths, force + torque
+    return vectors, lengths, force + torque, turn, wheels
 
 
 def round_pulley(a, r, axis, i):
-    """v (m) of cable `i`, whose anchor has a pulley; (C6)."""
+    """v and e (m) of cable `i`, whose anchor has a pulley; (C6)."""
     height = -dot(a, axis)
     out = [-x - height * k for x, k in zip(a, axis)]
     e = root(dot(out, out), f"e of cable {i}")
@@ -167,18 +164,10 @@ def round_pulley(a, r, axis, i):
     square = p * p + height * height
     s = root(square - r * r, f"s of cable {i}")
     along, up = (1 + (p * r - height * s) / square) * r / e, (height * r + p * s) / square * r
-    return [x + along * y + up * k for x, y, k in zip(a, out, axis)]
+    return [x + along * y + up * k for x, y, k in zip(a, out, axis)], e
 
 
-# --- Pieces of time: (C6), (C7), (C8) ------------------------------------------------------------------------------
-
-def interval(ball):
-    return f"[{float(ball.lower()):.17g}, {float(ball.upper()):.17g}]"
-
-
-def largest(balls):
-    return functools.reduce(arb.max, balls)
-
+# --- Pieces of time: (C6), (C7), (C8), (C16) ------------------------------------------------------------------------
 
 def unknowns(problem, span):
     """What the fields of a span or an instant say. With L_i v = (v, b_i x v), so that column i of V is L_i v_i:
@@ -198,31 +187,20 @@ def unknowns(problem, span):
 
 
 def functions(problem, start, scale, s):
-    """The functions of time that a piece is judged by, where s (N/m) is the guess: v, l, w and all v s, l s."""
-    vectors, lengths, w = equations(problem, start, scale)
-    return vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], [a * b for a, b in zip(lengths, s)]
+    """The functions of time that a piece is judged by, where s (N/m) is the guess: v, l, w and all v s, l s, and
+    with margins K, each e, and what else `equations` gives."""
+    vectors, lengths, w, turn, wheels = equations(problem, start, scale)
+    pulls = [a * b for a, b in zip(lengths, s)]
+    found = vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], pulls
+    if problem.tube:
+        torques = stiffness(turn, problem.cables, vectors, lengths, wheels, pulls)
+        found += torques, [wheel[2] for wheel in wheels if wheel], turn, wheels
+    return found
 
 
-def models(middle, whole, order):
-    """Taylor models of functions of x in [-1, 1], one a row: the coefficients below `order` at x = 0, from
-    `middle`, and then that of the remainder (Lagrange's), from `whole`, which holds it at every x."""
-    rows = []
-    for a, b in zip(middle, whole):
-        a, b = a.coeffs(), b.coeffs()
-        rows.append(a[:order] + [0] * (order - len(a)) + (b[order:order + 1] or [0]))
-    return arb_mat(rows)
-
-
-@functools.cache
-def bernstein(order):
-    """Matrix from coefficients of a polynomial on [-1, 1] to those of Bernstein's form, which enclose it."""
-    line = fmpq_poly([-1, 2])
-    return arb_mat([[arb(sum(((line ** k)[i] * fmpq(math.comb(j, i), math.comb(order, i)) for i in range(j + 1)),
-                             fmpq(0))) for j in range(order + 1)] for k in range(order + 1)])
-
-
-def judge(span, given, numbers, middle, whole):
-    """(C7), and (C8) of the cables `numbers` (from 0), in a piece of time: `functions` in its middle and over all."""
+def judge(problem, span, given, numbers, middle, whole):
+    """(C7), and (C8) of the cables `numbers` (from 0), and with margins (C16), in a piece of time: `functions` in its
+    middle and over all."""
     basis, levers, beside, _, spread = given
     order, coarse = ctx.cap - 1, min(ctx.cap - 1, COARSE)
     residual = beside * models(middle[2], whole[2], order) * bernstein(order)
@@ -243,19 +221,21 @@ def judge(span, given, numbers, middle, whole):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
-    pulls, lengths = [(models([middle[m][i] for i in numbers], [whole[m][i] for i in numbers], order)
-                       * bernstein(order)).tolist() for m in (3, 1)]
+    friction = arb(problem.tube.margins["friction"]) if problem.tube else 0
+    pulls, lengths = [extents([middle[m][i] for i in numbers], [whole[m][i] for i in numbers]) for m in (3, 1)]
     for i, pull, length in zip(numbers, pulls, lengths):
-        least = -largest([spread[i] * b - a for a, b in zip(pull, length)])
-        most = largest([spread[i] * b + a for a, b in zip(pull, length)])
+        least = -largest([spread[i] * b - a for a, b in zip(pull, length)]) - friction
+        most = largest([spread[i] * b + a for a, b in zip(pull, length)]) + friction
         low, high = span["least"][i], span["greatest"][i]
         if not (least >= low and most <= high):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
                                   f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
+    if problem.tube:
+        judge_tube(problem, spread, *[(x[1], x[3], x[4], x[5], x[6], x[0], x[7]) for x in (middle, whole)])
 
 
 def prove_parts(problem, span, given, centre, scale):
-    """(C6) to (C8) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
+    """(C6) to (C8) and (C16) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
     parts = [(arb(0), arb(1), 0)]
     while parts:
         tau, half, depth = parts.pop()
@@ -265,7 +245,7 @@ def prove_parts(problem, span, given, centre, scale):
             for x in tau, arb(tau, half):
                 s = [arb_series(g(arb_poly([x, half]))) for g in given[3]]
                 found.append(functions(problem, decays(problem, centre + scale * x), scale * half, s))
-            judge(span, given, range(len(problem.cables)), *found)
+            judge(problem, span, given, range(len(problem.cables)), *found)
         except Undecided as fault:
             at = f"t = {float(centre + scale * tau):.9g}"
             demand(depth < HALVINGS, fault.condition, f"{at}: {fault.message}")
@@ -273,14 +253,14 @@ def prove_parts(problem, span, given, centre, scale):
 
 
 def prove_constant(problem, span, given, numbers, start):
-    """(C6) to (C8) of the cables `numbers` where `decays` are in `start` and the polynomials are constant."""
+    """(C6) to (C8) and (C16) of the cables `numbers` where `decays` are in `start` and the polynomials are constant."""
     ctx.cap = 1
     found = functions(problem, start, arb(1), [arb_series(g) for g in given[3]])
-    judge(span, given, numbers, found, found)
+    judge(problem, span, given, numbers, found, found)
 
 
 def prove_rest(problem, span, given):
-    """(C6) to (C8) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
+    """(C6) to (C8) and (C16) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
     start, scale = arb(span["from"]), 1 / (2 * problem.slow)
     for left in range(RESTS, -1, -1):
         try:
@@ -294,7 +274,7 @@ def prove_rest(problem, span, given):
 # --- Verdicts: (C5) to (C13) ---------------------------------------------------------------------------------------
 
 def check_admissible(problem, proof, cables):
-    """(C5) to (C10)."""
+    """(C5) to (C10), and (C16)."""
     spans = proof["spans"]
     demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
     for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
@@ -341,7 +321,7 @@ def check_farkas(problem, instant, cables):
     z, time, shortfall = instant["multipliers"], instant["time"], instant["shortfall"]
     demand(time >= 0, "C13", f"instant: expected time >= 0, found {time}")
     ctx.cap = 1
-    vectors, lengths, w = equations(problem, decays(problem, arb(time)), arb(1))
+    vectors, lengths, w, *_ = equations(problem, decays(problem, arb(time)), arb(1))
     most, size = arb(0), arb(0)
     for i, (cable, v, length) in enumerate(zip(cables, vectors, lengths)):
         v = [x[0] for x in v]
@@ -363,7 +343,11 @@ def check(text):
     proof = read_file(text)
     rig, step = proof["problem"]["rig"], proof["problem"]["step"]
     problem = prepare(rig, step)
-    check_angles(problem)
+    if "tube" in proof:
+        problem = problem._replace(tube=make_tube(problem, proof["problem"]["margins"], proof["tube"]))
+    bounds = check_angles(problem)
+    if problem.tube:
+        check_disturbance(problem, *bounds[:2])
     if "spans" in proof:
         bounds = check_admissible(problem, proof, rig["cables"])
     else:

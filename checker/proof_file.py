@@ -8,7 +8,7 @@ SIZE = 10_000_000  # bytes of a file at most
 
 
 class Refused(Exception):
-    """The proof is refused; `condition` is "C1" to "C13"."""
+    """The proof is refused; `condition` is "C1" to "C17"."""
 
     def __init__(self, condition, message):
         super().__init__(f"{condition}: {message}")
@@ -63,9 +63,12 @@ CABLE = {"anchor": VECTOR, "attachment": VECTOR, "least": number, "greatest": li
          "pulley?": {"radius": number, "axis": VECTOR}}
 PROBLEM = {"rig": {"mass": number, "inertia": array(VECTOR, 3), "gravity": VECTOR, "disturbance": SIX,
                    "cables": array(CABLE, 0, SIZE)},
-           "step": {"start": SIX, "rates": SIX, "setPoint": SIX, "lambda": number, "eta": number}}
+           "step": {"start": SIX, "rates": SIX, "setPoint": SIX, "lambda": number, "eta": number},
+           "margins?": {name: number for name in ("mass", "centreOfMass", "force", "torque", "friction", "accuracy",
+                                                  "samplePeriod", "delay")}}
+TUBE = {"disturbance": SIX, "pull": number, "shortest": number, "sideways?": number, "stiffness": array(SIX, 3)}
 FILE = {"format": anything, "version": anything, "problem": PROBLEM, "sha256": anything, "verdict": anything}
-VERDICTS = {"admissible": {"least": number, "greatest": number, "spans": array(anything, 1, SIZE)},
+VERDICTS = {"admissible": {"least": number, "greatest": number, "spans": array(anything, 1, SIZE), "tube?": TUBE},
             "not admissible": {"instant": anything}}
 FARKAS = {"time": number, "multipliers": SIX, "shortfall": number}
 
@@ -115,6 +118,7 @@ def read_file(text):
                f"{key}: expected {' or '.join(map(brief, expected))}, found {brief(found)}")
     proof = read(raw, FILE | VERDICTS[raw["verdict"]], "file")
     check_problem(proof["problem"]["rig"], proof["problem"]["step"])
+    check_margins(proof)
     text = json.dumps(raw["problem"], sort_keys=True, separators=(",", ":"))
     digest = hashlib.sha256(text.encode()).hexdigest()
     demand(proof["sha256"] == digest, "C3", f"the problem's sha256 is {digest}, found {brief(proof['sha256'])}")
@@ -143,3 +147,24 @@ def check_problem(rig, step):
         demand(pulley["radius"] > 0, "C2", f"cable {i}: expected a radius > 0, found {pulley['radius']}")
         demand(abs(sum(Fraction(k) ** 2 for k in pulley["axis"]) - 1) <= Fraction(1, 10 ** 12), "C2",
                f"cable {i}: expected an axis of length 1, found {pulley['axis']}")
+
+
+def check_margins(proof):
+    """(C1) and (C2) of the margins and of the tube."""
+    cables, margins, tube = proof["problem"]["rig"]["cables"], proof["problem"].get("margins"), proof.get("tube")
+    if margins:
+        demand("step" in proof["problem"], "C1", "margins are of a step only, this is a motion")
+        for name, x in margins.items():
+            demand(x >= 0, "C2", f"margins: expected {name} >= 0, found {x}")
+        demand(margins["mass"] < 1, "C2", f"margins: expected mass < 1, found {margins['mass']}")
+        if proof["verdict"] == "admissible":
+            demand(len(cables) == 6, "C2", f"margins of an admissible step: expected six cables, found {len(cables)}")
+    wanted = margins is not None and proof["verdict"] == "admissible"
+    demand(wanted == (tube is not None), "C1", f"tube: expected {'one' if wanted else 'none'}, with margins only")
+    if tube:
+        pulleys = any("pulley" in cable for cable in cables)
+        demand(("sideways" in tube) == pulleys, "C1", f"tube.sideways: expected {'one' if pulleys else 'none'}")
+        for name, x in tube.items():
+            numbers = [x] if isinstance(x, float) else sum((y if isinstance(y, list) else [y] for y in x), [])
+            demand(min(numbers) >= 0, "C2", f"tube: expected {name} >= 0, found {min(numbers)}")
+        demand(tube["shortest"] > 0, "C2", "tube: expected shortest > 0, found 0")
