@@ -68,8 +68,9 @@ def directions(problem, tube):
     return beta, (lin(tube.V) + ang(tube.V) * (rho + r)) / length, 2 * r / rho + 3 * beta + extra, rho + r
 
 
-def disturbance(problem, tube, roll, pitch):
+def disturbance(problem, roll, pitch):
     """G (m/s^2, rad/s^2), where |roll| and |pitch| (rad) are at most these."""
+    tube = problem.tube
     margins, V, A, L, theta = tube.margins, tube.V, tube.A, tube.L, tube.Theta
     share, offset, friction, r = [arb(margins[name]) for name in ("mass", "centreOfMass", "friction", "accuracy")]
     pull, n, mass, g = arb(tube.claim["pull"]), len(problem.cables), problem.mass, problem.gravity
@@ -111,9 +112,9 @@ def sizes(matrix):
     return arb_mat([[abs(x) for x in row] for row in matrix.tolist()])
 
 
-def check_disturbance(problem, tube, roll, pitch):
+def check_disturbance(problem, roll, pitch):
     """(C17), where |roll| and |pitch| (rad) are at most these."""
-    for k, (g, d) in enumerate(zip(disturbance(problem, tube, roll, pitch), tube.claim["disturbance"]), 1):
+    for k, (g, d) in enumerate(zip(disturbance(problem, roll, pitch), problem.tube.claim["disturbance"]), 1):
         demand(g < d or (d == 0 and g == 0), "C17",
                f"coordinate {k}: expected G < {d:.17g}, what the file claims, found {float(g.upper()):.17g}")
 
