@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
+import motions
 from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models
 from margins import check_disturbance, judge_tube, make_tube, stiffness
 from proof_file import SIZE, Refused, brief, demand, read_file
@@ -25,8 +26,8 @@ RESTS = 60         # pieces of 1/mu that the last span is cut in at most
 
 Verdict = namedtuple("Verdict", "verdict bounds sha256")
 Cable = namedtuple("Cable", "anchor attachment radius axis")
-Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap tube",
-                     defaults=[None])
+Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap tube piece",
+                     defaults=[None] * 8)      # of a step until the gap, with margins the tube; of a motion the piece
 
 
 # --- The motion: (C4) ----------------------------------------------------------------------------------------------
@@ -38,19 +39,23 @@ def reduced(angle):
     return angle - 2 * arb.pi() * turns
 
 
-def prepare(rig, step):
-    """The problem in balls, e_0 and v_0 as `error` and `rates`, mu, M and Delta as `slow`, `fast` and `gap`."""
+def prepare(rig, step=None):
+    """The problem in balls, e_0 and v_0 as `error` and `rates`, mu, M and Delta as `slow`, `fast` and `gap`; without
+    a step that of a motion, whose `piece` is still to be set."""
     def balls(numbers):
         return [arb(x) for x in numbers]
     pulleys = [cable.get("pulley", {"radius": 0.0, "axis": []}) for cable in rig["cables"]]
     cables = [Cable(balls(cable["anchor"]), balls(cable["attachment"]), arb(pulley["radius"]), balls(pulley["axis"]))
               for cable, pulley in zip(rig["cables"], pulleys)]
+    body = Problem(arb(rig["mass"]), [balls(row) for row in rig["inertia"]], balls(rig["gravity"]),
+                   balls(rig["disturbance"][:3]), balls(rig["disturbance"][3:]), cables)
+    if step is None:
+        return body
     place = balls(step["setPoint"])
     error = [x - p for x, p in zip(balls(step["start"]), place)]
     slow, fast = balls(sorted((step["lambda"], step["eta"])))
-    return Problem(arb(rig["mass"]), [balls(row) for row in rig["inertia"]], balls(rig["gravity"]),
-                   balls(rig["disturbance"][:3]), balls(rig["disturbance"][3:]), cables, place,
-                   error[:3] + [reduced(x) for x in error[3:]], balls(step["rates"]), slow, fast, fast - slow)
+    return body._replace(place=place, error=error[:3] + [reduced(x) for x in error[3:]], rates=balls(step["rates"]),
+                         slow=slow, fast=fast, gap=fast - slow)
 
 
 def check_angles(problem):
@@ -88,13 +93,20 @@ def decays_rest(problem, time):
     return [arb(0).union(x) for x in (slow, (-problem.fast * time).exp(), most)]
 
 
+def begin(problem, time):
+    """What `coordinates` starts from at a time (s) that is a ball."""
+    return time if problem.piece else decays(problem, time)
+
+
 def coordinates(problem, start, scale):
     """The coordinates and their first and second derivatives in t (m, rad, s), as series in x: `start` is what
-    `decays` gives at x = 0, and t changes by `scale` x (s).
+    `begin` gives at x = 0, and t changes by `scale` x (s).
 
     The k-th derivative of phi is -(-1)^k (S_k exp(-M t) - mu^k phi), S_k = (M^k - mu^k)/(M - mu), and f' is
     -mu M phi. So every coefficient is tight also where `start` is wide.
     """
+    if problem.piece:
+        return motions.coordinates(problem.piece, start, scale)
     slow, fast = problem.slow, problem.fast
     decay, quick, phi = start
     series, power, s, factor = [], arb(1), arb(0), arb(-1)
@@ -244,7 +256,7 @@ def prove_parts(problem, span, given, centre, scale):
             found = []
             for x in tau, arb(tau, half):
                 s = [arb_series(g(arb_poly([x, half]))) for g in given[3]]
-                found.append(functions(problem, decays(problem, centre + scale * x), scale * half, s))
+                found.append(functions(problem, begin(problem, centre + scale * x), scale * half, s))
             judge(problem, span, given, range(len(problem.cables)), *found)
         except Undecided as fault:
             at = f"t = {float(centre + scale * tau):.9g}"
@@ -253,7 +265,8 @@ def prove_parts(problem, span, given, centre, scale):
 
 
 def prove_constant(problem, span, given, numbers, start):
-    """(C6) to (C8) and (C16) of the cables `numbers` where `decays` are in `start` and the polynomials are constant."""
+    """(C6) to (C8) and (C16) of the cables `numbers` where what `begin` gives is in `start` and the polynomials are
+    constant."""
     ctx.cap = 1
     found = functions(problem, start, arb(1), [arb_series(g) for g in given[3]])
     judge(problem, span, given, numbers, found, found)
@@ -261,6 +274,8 @@ def prove_constant(problem, span, given, numbers, start):
 
 def prove_rest(problem, span, given):
     """(C6) to (C8) and (C16) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
+    if problem.piece:
+        return prove_constant(problem, span, given, range(len(problem.cables)), arb(0))
     start, scale = arb(span["from"]), 1 / (2 * problem.slow)
     for left in range(RESTS, -1, -1):
         try:
@@ -273,20 +288,29 @@ def prove_rest(problem, span, given):
 
 # --- Verdicts: (C5) to (C13) ---------------------------------------------------------------------------------------
 
-def check_admissible(problem, proof, cables):
-    """(C5) to (C10), and (C16)."""
-    spans = proof["spans"]
+def check_cover(step, spans):
+    """(C5)."""
     demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
     for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
         demand(span["from"] < span["to"], "C5", f"span {k}: expected from < to, found {span['from']}, {span['to']}")
         demand(after["from"] <= span["to"], "C5",
                f"span {k + 1}: expected from <= {span['to']}, where span {k} ends, found {after['from']}")
-    start, slow = spans[-1]["from"], min(proof["problem"]["step"][gain] for gain in ("lambda", "eta"))
+    start, slow = spans[-1]["from"], min(step["lambda"], step["eta"])
     demand(Fraction(start) * Fraction(slow) >= 1, "C5", f"last span: expected from >= 1/{slow}, found {start}")
+
+
+def check_admissible(problem, proof, cables):
+    """(C5) to (C10), and (C14) to (C16)."""
+    spans, pieces = proof["spans"], [None] * len(proof["spans"])
+    if "step" in proof["problem"]:
+        check_cover(proof["problem"]["step"], spans)
+    else:
+        pieces = motions.check(proof["problem"]["motion"], proof)
     for name, pick in ("least", min), ("greatest", max):
         found = pick(pick(span[name]) for span in spans)
         demand(proof[name] == found, "C10", f"{name}: expected {found}, found {proof[name]}")
-    for k, span in enumerate(spans, 1):
+    for k, (span, piece) in enumerate(zip(spans, pieces), 1):
+        problem = problem._replace(piece=piece)
         for i, cable in enumerate(cables):
             for low, high in (cable["least"], span["least"][i]), (span["greatest"][i], cable["greatest"]):
                 demand(low < high, "C9", f"span {k}, cable {i + 1}: expected {low} < {high}")
@@ -341,13 +365,14 @@ def check(text):
     """The verdict that the proof `text` (string or bytes) proves; raises `Refused` if it proves none."""
     ctx.prec = BITS
     proof = read_file(text)
-    rig, step = proof["problem"]["rig"], proof["problem"]["step"]
+    rig, step = proof["problem"]["rig"], proof["problem"].get("step")
     problem = prepare(rig, step)
     if "tube" in proof:
         problem = problem._replace(tube=make_tube(problem, proof["problem"]["margins"], proof["tube"]))
-    bounds = check_angles(problem)
+    if step:
+        angles = check_angles(problem)
     if problem.tube:
-        check_disturbance(problem, *bounds[:2])
+        check_disturbance(problem, *angles[:2])
     if "spans" in proof:
         bounds = check_admissible(problem, proof, rig["cables"])
     else:
