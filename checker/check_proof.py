@@ -14,9 +14,9 @@ from fractions import Fraction
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
 import motions
+from proof_file import SIZE, Refused, brief, demand, read_file
 from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models
 from margins import check_disturbance, judge_tube, make_tube, stiffness
-from proof_file import SIZE, Refused, brief, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
 ORDER = 8          # of the remainders of Taylor models over spans,
