@@ -7,9 +7,10 @@ import math
 import random
 
 import pytest
+from flint import arb, arb_series, ctx
 
 import margins as page
-from check_proof import ctx, prepare
+from check_proof import decays, functions, prepare
 from test_check_proof import (apply, compose, cross, invert, jets, leaving, make_rig, product, transpose, turns)
 
 NAMES = "mass centreOfMass force torque friction accuracy samplePeriod delay".split()
@@ -248,3 +249,57 @@ def test_a_torque_of_the_base_frame_turns_while_a_command_is_held():
     problem["rig"]["disturbance"] = [0.0, 0.0, 0.0, -2.0, 0.0, 0.0]
     problem["step"].update({"rates": [0.0] * 5 + [0.1], "setPoint": [0.0, 0.0, 1.0, 0.0, 0.0, 0.0], "lambda": 0.3, "eta": 0.4})
     assert 0.5 < tried(draw, problem, dict.fromkeys(NAMES, 0.0) | {"delay": 1e-5}, 12) <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("pulley", [False, True])
+def test_stiffness_is_what_the_torque_changes_by(pulley):
+    draw = random.Random(2)
+    problem = random_problem(draw, pulley)
+    tube, _ = settle(problem, dict.fromkeys(NAMES, 0.0), {"pull": 1.0, "shortest": 1.0, "stiffness": [[0.0] * 6] * 3}
+                     | ({"sideways": 1.0} if pulley else {}))
+    balls = prepare(problem["rig"], problem["step"])._replace(tube=tube)
+    for t in 0.0, 0.4:
+        q, u = [j[0] for j in jets(problem["step"], t)], [draw.uniform(1, 30) for _ in range(6)]
+        ctx.cap = 1
+        guess = [arb_series([x / l]) for x, l in zip(u, pulls_along(problem["rig"], q)[1])]
+        found = floats(x[0] for x in functions(balls, decays(balls, arb(t)), arb(1), guess)[4])
+        assert found == pytest.approx(sum(stiffness(problem["rig"], q, u), []), abs=1e-6)
+
+
+def simulated(draw, problem, margins, seconds, tube, g):
+    """Largest share of the tube, of coordinates, rates, commands and disturbances, that a robot takes which is wrong in
+    all ways, its forces and friction against one coordinate; a command is held for a period, of an old state."""
+    rig, step, plant = problem["rig"], problem["step"], wrong_plant(draw, problem["rig"], margins)
+    slow, fast = sorted((step["lambda"], step["eta"]))
+    decay, h = math.exp(-slow * math.log(fast / slow) / (fast - slow)), margins["samplePeriod"] / 2
+    d, late = tube.claim["disturbance"], round(margins["delay"] / h)
+    allowed = [[x / (slow * fast) for x in d], [2 * decay / fast * x for x in d],
+               [(1 + 2 * slow / fast * decay ** 2) * x for x in d], g]
+    q, dq, _ = map(list, zip(*jets(step, 0.0)))
+    past, worst = [(q, dq)], 0.0
+    for k in range(int(seconds / h)):
+        if k % 2 == 0:
+            old, rates = past[max(0, len(past) - 1 - late)]
+            u = tensions(rig, old, rates, commanded(step, old, rates))
+        middle = happens(rig, plant, q, dq, u)
+        asked, (closed, closed_rates, closed_commands) = commanded(step, q, dq), map(list, zip(*jets(step, k * h)))
+        off = [minus(q, closed), minus(dq, closed_rates), minus(asked, closed_commands), minus(middle, asked)]
+        worst = max([worst] + [abs(x) / y for kind, most in zip(off, allowed) for x, y in zip(kind, most)])
+        half, half_rates = plus(q, times(h / 2, dq)), plus(dq, times(h / 2, middle))
+        q, dq = plus(q, times(h, half_rates)), plus(dq, times(h, happens(rig, plant, half, half_rates, u)))
+        past.append((q, dq))
+    return worst
+
+
+def test_a_simulated_robot_stays_in_the_tube():
+    draw = random.Random(4)
+    problem, margins = random_problem(draw, True), {k: x / 4 for k, x in WRONG.items()} | {"samplePeriod": 2e-3, "delay": 1e-3}
+    states = []
+    for t in range(30):
+        q, dq, ddq = map(list, zip(*jets(problem["step"], t / 10)))
+        states.append((q, tensions(problem["rig"], q, dq, ddq)))
+    claim = measures(problem, states)
+    claim |= {"pull": 1.05 * claim["pull"], "shortest": 0.97 * claim["shortest"],
+              "stiffness": [[1.1 * x + 0.5 for x in row] for row in claim["stiffness"]]}
+    tube, g = settle(problem, margins, claim)
+    assert 0.1 < simulated(draw, problem, margins, 0.4, tube, g) < 1
