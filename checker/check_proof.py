@@ -228,8 +228,8 @@ def judge(problem, span, given, numbers, middle, whole):
     if not largest(rho) < 1:
         raise Undecided("C7", f"expected rho < 1, proved rho <= {float(largest(rho)):.6g} only")
     tail = largest(r) / (1 - largest(rho))
-    for k in range(6):
-        bound = r[k] + rho[k] * tail
+    bounds = [x + y * tail for x, y in zip(r, rho)]
+    for k, bound in enumerate(bounds):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
@@ -243,7 +243,7 @@ def judge(problem, span, given, numbers, middle, whole):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
                                   f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
     if problem.tube:
-        judge_tube(problem, spread, *[(x[1], x[3], x[4], x[5], x[6], x[0], x[7]) for x in (middle, whole)])
+        judge_tube(problem, bounds, *[(x[1], x[3], x[4], x[5], x[6], x[0], x[7]) for x in (middle, whole)])
 
 
 def prove_parts(problem, span, given, centre, scale):

@@ -131,7 +131,7 @@ def stiffness(turn, cables, vectors, lengths, wheels, pulls):
         swung = [[tension * (axis[k] - d[j] * d[k]) for k in range(3)] for j, axis in enumerate(AXES)]
         if wheel:
             kappa, a, e = wheel
-            normal, weight = cross(kappa, a), tension * (1 + dot(kappa, d)) * cable.radius / (e * e * e)
+            normal, weight = cross(kappa, a), tension * (1 + dot(kappa, d)) * cable.radius / e / e / e
             swung = [[x - weight * normal[j] * y for x, y in zip(swung[j], normal)] for j in range(3)]
         swung = [cross(b, x) for x in swung]
         along = dot(b, v)
@@ -147,7 +147,7 @@ def stiffness(turn, cables, vectors, lengths, wheels, pulls):
 
 def judge_tube(problem, spread, middle, whole):
     """(C16) in a piece of time: its middle and all of it as (l, l s, K of these tensions, e, turn, v and wheels),
-    where s (N/m) may differ by `spread`."""
+    where s (N/m) may differ by `spread`; that is what is proved here, mostly less than what the file claims."""
     claim, cables = problem.tube.claim, problem.cables
     lengths, pulls, torques = [extents(middle[m], whole[m]) for m in range(3)]
     aside = extents(middle[3], whole[3]) if middle[3] else []
