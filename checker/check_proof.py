@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 
-import motion
+import motions
 from proof_file import SIZE, Refused, brief, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
@@ -108,7 +108,7 @@ def coordinates(problem, start, scale):
     -mu M phi. So every coefficient is tight also where `start` is wide.
     """
     if problem.piece:
-        return motion.coordinates(problem.piece, start, scale)
+        return motions.coordinates(problem.piece, start, scale)
     slow, fast = problem.slow, problem.fast
     decay, quick, phi = start
     series, power, s, factor = [], arb(1), arb(0), arb(-1)
@@ -325,7 +325,7 @@ def check_admissible(problem, proof, cables):
     if "step" in proof["problem"]:
         check_cover(proof["problem"]["step"], spans)
     else:
-        pieces = motion.check(proof["problem"]["motion"], proof)
+        pieces = motions.check(proof["problem"]["motion"], proof)
     for name, pick in ("least", min), ("greatest", max):
         found = pick(pick(span[name]) for span in spans)
         demand(proof[name] == found, "C10", f"{name}: expected {found}, found {proof[name]}")

@@ -1,11 +1,11 @@
-"""Tests of motions in pieces (motion.py), made here in floats with formulas other than the checker's: s by exponentials, spans by the maker of test_check_proof.py."""
+"""Tests of motions in pieces (motions.py), made here in floats with formulas other than the checker's: s by exponentials, spans by the maker of test_check_proof.py."""
 import cmath
 import math
 
 import pytest
 from flint import arb, ctx
 
-import motion
+import motions
 
 WAY = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.1, 0.05, -0.1, 0.02, -0.03, 0.1], [0.0, 0.02, 0.01, 0.0, 0.01, 0.0],
        [0.003, 0.0, 0.0, 0.001, 0.0, 0.002]]
@@ -50,9 +50,9 @@ PARTS = {"beta above": part(beta=5.0), "beta below": part(beta=-7.0), "jerk": pa
 def test_coordinates_are_those_of_the_closed_form(name):
     piece = {"duration": 0.6, "offset": [0.01, 0.0, -0.2, 0.0, 0.5, 0.0], "parts": [PARTS[name], part(beta=2.0, way=WAY[:1])]}
     ctx.prec, ctx.cap = 128, 9
-    (balls,) = motion.prepare({"pieces": [piece]})
+    (balls,) = motions.prepare({"pieces": [piece]})
     for time, tolerance in (arb(0.25), 1e-10), (arb(0.25, 0.05), None):
-        found = motion.coordinates(balls, time, arb(0.05))
+        found = motions.coordinates(balls, time, arb(0.05))
         for x in -1.0, -0.3, 0.8:
             for series, expected in zip(zip(*found), jets(piece, 0.25 + 0.05 * x)):
                 for y, number in zip(series, expected):
@@ -65,7 +65,7 @@ def test_coordinates_are_those_of_the_closed_form(name):
 def test_a_tiny_beta_loses_nothing():
     """cosh - 1 over beta, where beta is beyond the rounding of 128 bits."""
     ctx.prec, ctx.cap = 128, 3
-    (piece,) = motion.prepare({"pieces": [{"duration": 1.0, "offset": [0.0] * 6, "parts": [part(beta=1e-200, way=WAY[:2])]}]})
-    q, _, _ = motion.coordinates(piece, arb(0.5), arb(1))
+    (piece,) = motions.prepare({"pieces": [{"duration": 1.0, "offset": [0.0] * 6, "parts": [part(beta=1e-200, way=WAY[:2])]}]})
+    q, _, _ = motions.coordinates(piece, arb(0.5), arb(1))
     assert float(q[0][0].rad()) < 1e-30
     assert math.isclose(float(q[0][0]), 0.1 * (0.3 - 0.2 + 0.35 - 0.05), rel_tol=1e-12)
