@@ -18,10 +18,9 @@ sys.path.insert(0, str(ROOT / "checker"))
 import motions  # noqa: E402
 from check_proof import BITS, Undecided, begin, bernstein, cross, decays_rest, equations, largest, models, prepare, unknowns  # noqa: E402
 
-ORDER = 8  # of the remainders of Taylor models
-COARSE = 3  # and of the models of V
+ORDER = 6  # of the remainders of Taylor models
 TOLERANCE = 1e-6  # of the weight, between the bounds
-CUTS = 4000  # of time at most
+CUTS = 1000  # of time at most
 INFINITE = float("inf")
 
 
@@ -154,7 +153,9 @@ class Judge:
         order = ctx.cap - 1
         residual = beside * models(middle[2], whole[2], order) * bernstein(order)
         r = [largest([abs(x).upper() for x in row]) for row in residual.tolist()]
-        rho = self._defect(levers, middle, whole)
+        # The rows of 1 - C V, with V as one ball over the segment.
+        columns = [(lever * arb_mat([[x[0]] for x in v])).entries() for lever, v in zip(levers, whole[0])]
+        rho = [sum((abs((row == k) - column[row]).upper() for k, column in enumerate(columns)), arb(0)) for row in range(6)]
         if not largest(rho) < 1:
             raise Undecided("C7", "rho")
         tail = largest(r) / (1 - largest(rho))
@@ -165,15 +166,6 @@ class Judge:
             below = below.or_less(_margin(segment, i, [x - least for x in pull], error))
             above = above.or_less(_margin(segment, i, [greatest - x for x in pull], error))
         return below, above
-
-    def _defect(self, levers, middle, whole):
-        """For each row of 1 - C V the sum of the sizes."""
-        order = min(ctx.cap - 1, COARSE)
-        columns = [(lever * models(a, b, order)).tolist() for lever, a, b in zip(levers, middle[0], whole[0])]
-        for k, column in enumerate(columns):
-            column[k][0] -= 1
-        return [sum((abs(x).upper() for column in columns for x in column[row]), arb(0)) for row in range(6)]
-
 
 def _functions(found, s):
     """Of `equations` and the guessed s (N/m) what a segment is judged by: v, l, w and all v s, l s."""
