@@ -343,7 +343,8 @@ def check_admissible(problem, proof, cables):
                 prove_parts(problem, span, given, (first + last) / 2, (last - first) / 2)
         except Refused as fault:
             raise Refused(fault.condition, f"span {k}, {fault.message}") from None
-    return f"{proof['least']:.9g} to {proof['greatest']:.9g} N, {len(spans)} spans"
+    jump = ", jumps of at most {:.3g} (m, rad) and {:.3g} (m/s, rad/s)".format(*proof["jump"]) if "jump" in proof else ""
+    return f"{proof['least']:.9g} to {proof['greatest']:.9g} N, {len(spans)} spans{jump}"
 
 
 def check_six(problem, instant, cables):

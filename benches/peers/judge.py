@@ -140,7 +140,11 @@ class Judge:
         terms = range(ctx.cap)
         matrices = [arb_mat([[column[row][k].mid() for column in columns] for row in range(6)]) for k in terms]
         right = [arb_mat([[x[k].mid()] for x in w]) for k in terms]
-        inverse, solved = matrices[0].inv(), []
+        try:
+            inverse = matrices[0].inv()
+        except ZeroDivisionError:
+            raise Undecided("C7", "V is singular") from None
+        solved = []
         for k in terms:
             solved.append(inverse * sum((matrices[j] * solved[k - j] * -1 for j in range(1, k + 1)), right[k]))
         rows = [[float(term[row, 0]) for term in solved] for row in range(6)]
@@ -166,6 +170,7 @@ class Judge:
             below = below.or_less(_margin(segment, i, [x - least for x in pull], error))
             above = above.or_less(_margin(segment, i, [greatest - x for x in pull], error))
         return below, above
+
 
 def _functions(found, s):
     """Of `equations` and the guessed s (N/m) what a segment is judged by: v, l, w and all v s, l s."""
