@@ -10,6 +10,7 @@ Each move's results are a line each in target/violations.jsonl: a run that was s
 import argparse
 import json
 import os
+import signal
 import sys
 import time
 from collections import Counter
@@ -76,7 +77,7 @@ def run(count):
     tasks = [(move, open_for(move, methods)) for methods in PASSES for move in drawn]
     tasks = [task for task in tasks if task[1]]
     faults, last = Counter(), {}
-    with Pool() as pool, RESULTS.open("a") as file:
+    with Pool(initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)) as pool, RESULTS.open("a") as file:
         try:
             for k, (found, lacking) in enumerate(pool.imap_unordered(lines_of, tasks), 1):
                 for line in found:

@@ -16,6 +16,7 @@ from judge import TOLERANCE
 from page import version
 from plots import SHADES
 
+WORST = 10  # % of the weight: beyond that the figure tells no more
 TITLES = {"level": "Level moves", "space": "Moves in space", "turned": "Turned moves"}
 
 
@@ -31,12 +32,13 @@ class Rows:
 
     def cells(self):
         """Found, within, by rounding, breaks, undecided; breach: median, greatest; at its own points, and breaking only between; least margin."""
-        number, broken = len(self.found), -self.upper[self.breaks]
+        number, bounded = len(self.found), np.isfinite(self.lower)
+        broken, endless = -self.upper[self.breaks & bounded], (self.breaks & ~bounded).sum()
         counts = [self.within.sum(), self.slightly.sum(), self.breaks.sum(), number - self.within.sum() - self.slightly.sum() - self.breaks.sum()]
-        breaches = [self._breach(broken, np.median), self._breach(broken, np.max)]
+        breaches = [self._breach(broken, np.median), f"no bound in {endless}" if endless else self._breach(broken, np.max)]
         kept = self.own >= -self.slight
         at_own = [f"{kept.sum()}", f"{(kept & self.breaks).sum()}"] if len(self.own) else ["all times"] + ["-"]
-        return [f"{number} of {len(self.lines)}", *map(str, counts), *breaches, *at_own, f"{100 * np.median(self.lower) / self.weight:.2g} %" if number else "-"]
+        return [f"{number} of {len(self.lines)}", *map(str, counts), *breaches, *at_own, f"{100 * np.median(self.upper[bounded]) / self.weight:.2g} %" if bounded.any() else "-"]
 
     def _breach(self, broken, of):
         return f"{of(broken):.2g} N, {100 * of(broken) / self.weight:.2g} %" if len(broken) else "-"
@@ -54,12 +56,12 @@ def draw(lines, weight, path):
     axes = figure.subplots()
     styles = [(shade, style) for style in ("-", "--") for shade in SHADES]
     for (shade, style), (name, rows) in zip(styles, by_method(lines, weight).items()):
-        margins = 100 * np.sort(rows.upper) / weight
+        margins = np.clip(100 * np.sort(rows.upper) / weight, -WORST, None)
         few = np.unique(np.linspace(0, len(margins) - 1, min(len(margins), 200)).astype(int)) if len(margins) else []
         axes.plot(margins[few], (np.array(few) + 1) / max(len(margins), 1), style, color=shade, label=name)
     axes.axvline(0, color="#888888", linewidth=0.8, zorder=0)
     axes.set_xscale("symlog", linthresh=0.01)
-    axes.set(xlabel="least margin to a limit, % of the weight; negative: a limit is broken", ylabel="share of the motions", ylim=(0, 1.02))
+    axes.set(xlabel=f"least margin to a limit, % of the weight; negative: a limit is broken; -{WORST}: by so much or more", ylabel="share of the motions", ylim=(0, 1.02))
     axes.grid(color="#e5e5e5")
     figure.legend(loc="outside right center", frameon=False)
     figure.savefig(path, metadata={"Date": None, "Creator": None})
@@ -96,7 +98,8 @@ what [benchmarks.md](benchmarks.md) forgives, and more than the rounding of any 
 which keep some distance from them by themselves (0.17 % of the weight). Six cables only: their tensions are the only ones there are. Of eight cables a motion's margin is a linear programme at every instant, which is not enclosed here.
 
 - *Breaks a limit*: proved, some cable is beyond a limit at some time by more than 10⁻⁶ of the weight. *Beyond by rounding*: proved, but by no more than that, which is what doubles and solvers' tolerances leave and no fault of a method. *Within limits*: proved for all time. *Undecided*: none of these.
-  A *breach* is how far a tension is beyond its limit at most, proved to be at least so much, of the motions that break one, and its share of the weight.
+  A *breach* is how far a tension is beyond its limit at most, proved to be at least so much, of the motions that break one, and its share of the weight. *No bound*: of so many motions the largest breach is not enclosed: the closer one looks the greater it is, as at a pose where the cables' forces are dependent, which tensions
+  without bounds belong to; the median breach and margin are of the others.
 - *Keeps its own points*: motions within the limits, but for 10⁻⁶ of the weight, at the points at which the method itself looked; *and breaks one between*: how many of those break a limit elsewhere.
 
 ## What was taken as each method's motion, and what it promises
