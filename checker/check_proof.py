@@ -10,12 +10,11 @@ import functools
 import math
 import sys
 from collections import namedtuple
-from fractions import Fraction
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 
 import motions
-from proof_file import SIZE, Refused, brief, demand, read_file
+from proof_file import SIZE, Refused, brief, check_times, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
 ORDER = 8          # of the remainders of Taylor models over spans,
@@ -308,22 +307,11 @@ def prove_rest(problem, span, given):
 
 # --- Verdicts: (C5) to (C13) ---------------------------------------------------------------------------------------
 
-def check_cover(step, spans):
-    """(C5)."""
-    demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
-    for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
-        demand(span["from"] < span["to"], "C5", f"span {k}: expected from < to, found {span['from']}, {span['to']}")
-        demand(after["from"] <= span["to"], "C5",
-               f"span {k + 1}: expected from <= {span['to']}, where span {k} ends, found {after['from']}")
-    start, slow = spans[-1]["from"], min(step["lambda"], step["eta"])
-    demand(Fraction(start) * Fraction(slow) >= 1, "C5", f"last span: expected from >= 1/{slow}, found {start}")
-
-
 def check_admissible(problem, proof, cables):
     """(C5) to (C10), (C14) and (C15)."""
     spans, pieces = proof["spans"], [None] * len(proof["spans"])
     if "step" in proof["problem"]:
-        check_cover(proof["problem"]["step"], spans)
+        check_times(proof["problem"]["step"], spans)
     else:
         pieces = motions.check(proof["problem"]["motion"], proof)
     for name, pick in ("least", min), ("greatest", max):

@@ -26,17 +26,15 @@ INFINITE = float("inf")
 
 @dataclass(frozen=True)
 class Segment:
-    """Times middle ± half (s) of a piece of a motion (from 0, -1 the rest after it) or of a step; `half` is infinite for all times from `middle` on."""
+    """Times from `begin` to `end` (s) of a piece of a motion (from 0, -1 the rest after it) or of a step; neighbours have the same double in common, so that none is left out."""
 
     piece: int
-    middle: float
-    half: float
+    begin: float
+    end: float
 
     def parts(self, longest):
-        if self.half == INFINITE:
-            return [Segment(self.piece, self.middle + longest / 2, longest / 2), Segment(self.piece, self.middle + longest, INFINITE)]
-        quarter = self.half / 2
-        return [Segment(self.piece, self.middle - quarter, quarter), Segment(self.piece, self.middle + quarter, quarter)]
+        cut = self.begin + longest if self.end == INFINITE else 0.5 * (self.begin + self.end)
+        return [Segment(self.piece, self.begin, cut), Segment(self.piece, cut, self.end)]
 
 
 @dataclass(frozen=True)
@@ -70,14 +68,14 @@ class Judge:
         self.limits = [(arb(cable["least"]), arb(cable["greatest"])) for cable in rig["cables"]]
         self.seen, self.longest = {}, 1.0
         if step:
-            self.longest = 1 / min(step["lambda"], step["eta"])
-            self.segments, self.pieces = [Segment(0, self.longest / 2, self.longest / 2), Segment(0, self.longest, INFINITE)], None
+            self.longest = math.nextafter(1 / min(step["lambda"], step["eta"]), INFINITE)
+            self.segments, self.pieces = [Segment(0, 0.0, self.longest), Segment(0, self.longest, INFINITE)], None
             return
         self.pieces = motions.prepare(problem["motion"])
         place, _ = motions.state(self.pieces[-1], self.pieces[-1].duration)
         self.pieces.append(motions.Piece(place, [], arb(0)))
         durations = [piece["duration"] for piece in problem["motion"]["pieces"]]
-        self.segments = [Segment(k, d / 2, d / 2) for k, d in enumerate(durations)] + [Segment(-1, 0.0, INFINITE)]
+        self.segments = [Segment(k, 0.0, duration) for k, duration in enumerate(durations)] + [Segment(-1, 0.0, INFINITE)]
 
     def least(self, side):
         """The `Margin` of all time below (0: u - u_min) or above (1: u_max - u)."""
@@ -101,31 +99,33 @@ class Judge:
         """Below and above, in a segment."""
         if segment not in self.seen:
             try:
-                self.seen[segment] = self._rest(segment) if segment.half == INFINITE else self._span(segment)
+                self.seen[segment] = self._rest(segment) if segment.end == INFINITE else self._span(segment)
             except Undecided:
                 self.seen[segment] = UNKNOWN, UNKNOWN
         return self.seen[segment]
 
     def at(self, piece, time):
         """Below and above at an instant (s) of a piece (of a step 0)."""
-        return self._span(Segment(piece, time, 0.0))
+        return self._span(Segment(piece, time, time))
 
     def _of(self, segment):
         return self.problem._replace(piece=self.pieces[segment.piece]) if self.pieces else self.problem
 
     def _span(self, segment):
-        problem, middle, half = self._of(segment), arb(segment.middle), arb(segment.half or 1)
-        ctx.cap = ORDER + 1 if segment.half else 1
-        found = [equations(problem, begin(problem, time), half) for time in (middle, middle + arb(0, segment.half))]
+        problem, first, last = self._of(segment), arb(segment.begin), arb(segment.end)
+        middle, half = (first + last) / 2, (last - first) / 2 if last > first else arb(1)
+        ctx.cap = ORDER + 1 if last > first else 1
+        whole = middle + arb(0, half) if last > first else middle
+        found = [equations(problem, begin(problem, time), half) for time in (middle, whole)]
         given = self._guess(found[0])
         guesses = [[arb_series(guess(arb_poly([x, 1]))) for guess in given[3]] for x in (arb(0), arb(0, 1))]
         return self._bounds(segment, given, *map(_functions, found, guesses))
 
     def _rest(self, segment):
-        """Of all times from the middle on."""
+        """Of all times from its begin on."""
         problem = self._of(segment)
         ctx.cap = 1
-        found = equations(problem, arb(0) if problem.piece else decays_rest(problem, arb(segment.middle)), arb(1))
+        found = equations(problem, arb(0) if problem.piece else decays_rest(problem, arb(segment.begin)), arb(1))
         given = self._guess(found)
         functions = _functions(found, [arb_series(guess) for guess in given[3]])
         below, above = self._bounds(segment, given, functions, functions)
@@ -184,6 +184,6 @@ def _margin(segment, i, pull, error):
     if not least.is_finite():
         raise Undecided("C8", "a bound that is no number")
     lower = math.nextafter(float(least.lower()), -INFINITE)
-    upper, side = min((math.nextafter(float((x + error).upper()), INFINITE), side) for x, side in ((pull[0], -1), (pull[-1], 1)))
-    half = 0.0 if segment.half == INFINITE else segment.half
-    return Margin(lower, upper, i + 1, segment.piece, segment.middle + side * half)
+    ends = (pull[0], segment.begin), (pull[-1], segment.end)
+    upper, time = min((math.nextafter(float((x + error).upper()), INFINITE), time) for x, time in ends)
+    return Margin(lower, upper, i + 1, segment.piece, time)

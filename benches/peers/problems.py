@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 import ipopt
+import motion
 import parametrized
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "target/debug/cable-robot"
 FREE = {"level": (0, 1, 2), "space": (0, 1, 2), "turned": tuple(range(6))}  # what the free optimum may move, by the kind of a move
-SAMPLES = 2000  # that ruckig's acceleration is found with
 
 
 @dataclass
@@ -84,7 +84,7 @@ def ruckig(rig, start, goal, _):
     cuts = np.unique(np.round(np.concatenate([np.cumsum([0.0, *profile.t]) for profile in profiles]), 12))
     pieces = [_of_profiles(profiles, moving, start, a, b) for a, b in pairwise(cuts)]
     begins = np.concatenate([[0.0], np.cumsum([piece["duration"] for piece in pieces])])
-    samples = np.linspace(0, trajectory.duration, SAMPLES)
+    samples = np.linspace(0, trajectory.duration, motion.SAMPLES[rig.cables])
     which = np.clip(np.searchsorted(begins, samples, side="right") - 1, 0, len(pieces) - 1)
     return asked(rig, pieces, [(int(k), float(min(t - begins[k], pieces[k]["duration"]))) for k, t in zip(which, samples)])
 

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ipopt
+import motion
 import moves
 import parametrized
 import problems
@@ -106,7 +107,7 @@ which keep some distance from them by themselves (0.17 % of the weight). Six cab
 
 - *toppra* {version("toppra")}: the straight way and its piecewise constant s'', as `ParametrizeConstAccel` evaluates it, {parametrized.POINTS} points. *Collocation* promises the limits at the beginning of each interval with its s''; its own documentation says "smaller problem size, but lower accuracy".
   *Interpolation* promises them at both ends of each ("higher accuracy"; "should use Interpolation if possible"). Neither promises anything between; the other parametrisers of toppra, splines, are not looked at. It gets tensions exact to rounding as limits.
-- *ruckig* {version("ruckig")}: pieces of constant acceleration, out of its profiles. It promises limits of the axes' acceleration, which it keeps; that the tensions follow is what we made of it: the greatest acceleration, the same for all axes, with which no tension is beyond a limit at {problems.SAMPLES} instants, by {parametrized.HALVINGS} halvings.
+- *ruckig* {version("ruckig")}: pieces of constant acceleration, out of its profiles. It promises limits of the axes' acceleration, which it keeps; that the tensions follow is what we made of it: the greatest acceleration, the same for all axes, with which no tension is beyond a limit at {motion.SAMPLES[rig.cables]} instants, by {parametrized.HALVINGS} halvings.
 - *CasADi* {version("casadi")} with ipopt, default tolerances: *on the way*, {ipopt.CELLS[6]} cells of the straight way with constant s''; *free* of it, {ipopt.INTERVALS} intervals of constant acceleration in x, y, z, of turned moves in all six coordinates. It promises the limits at both ends of each piece, to ipopt's tolerance; the pieces are put together from places, rates and durations that it found.
 - *Bounded (the paper's chain)* and *Exact*: what `plan --proof` proves, the law's steps from rest at one set point to the next, for all time. In closed loop a controller sets the next point on the way already; those steps are proved by it, each before it is made, and not judged here.
 - *MinimumTime*: the motion that `plan --proof` writes. It promises the limits for all time, with its own proof, which is not used here.
