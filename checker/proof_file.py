@@ -1,4 +1,4 @@
-"""Reads proof files (version 1) of cable-suspended robots: conditions (C1) to (C3), fields, limits and hash."""
+"""Reads proof files (version 1) of cable-suspended robots: conditions (C1) to (C3), fields, limits and hash, and (C5)."""
 import hashlib
 import json
 import math
@@ -191,3 +191,14 @@ def check_margins(proof):
             numbers = [x] if isinstance(x, float) else sum((y if isinstance(y, list) else [y] for y in x), [])
             demand(min(numbers) >= 0, "C2", f"tube: expected {name} >= 0, found {min(numbers)}")
         demand(tube["shortest"] > 0, "C2", "tube: expected shortest > 0, found 0")
+
+
+def check_times(step, spans):
+    """(C5), exact."""
+    demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
+    for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
+        demand(span["from"] < span["to"], "C5", f"span {k}: expected from < to, found {span['from']}, {span['to']}")
+        demand(after["from"] <= span["to"], "C5",
+               f"span {k + 1}: expected from <= {span['to']}, where span {k} ends, found {after['from']}")
+    start, slow = spans[-1]["from"], min(step["lambda"], step["eta"])
+    demand(Fraction(start) * Fraction(slow) >= 1, "C5", f"last span: expected from >= 1/{slow}, found {start}")

@@ -207,7 +207,7 @@ fn built_twice(root: &Path) -> Result<Outcome> {
 fn python_tests(root: &Path) -> Result<Outcome> {
     let environment = python::of_tests()?;
     let python = environment.join("bin/python");
-    run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests", "checker"])
+    run(root, &python.to_string_lossy(), &["-m", "pytest", "--quiet", "fmpy-tests", "checker", "benches/peers"])
 }
 
 /// The name in `test NAME ... FAILED` of cargo and `FAILED NAME - why` of pytest.
