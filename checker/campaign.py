@@ -2,12 +2,13 @@
 
     python checker/campaign.py PROGRAM CASES SEED [PER_SEED]
 
-PROGRAM is `cable-robot`. Of each problem (`study proofs`: six and eight cables, both verdicts, a quarter with pulleys) the proof must be accepted with the
+PROGRAM is `cable-robot`. Of each problem (`study proofs`: six and eight cables, both verdicts, a quarter with pulleys; with margins where it writes such) the proof must be accepted with the
 verdict that it states, and each kind of bent proof that its verdict has must be refused with the condition that names the fault. PER_SEED problems
 (1000) are drawn from each of SEED, SEED + 1, ...: a run that was stopped goes on from the seed that it printed last. Exit code 1 if the checker is wrong
 about any.
 """
 
+import hashlib
 import json
 import math
 import random
@@ -86,6 +87,48 @@ def other_side(proof, draw):
     proof["instant"]["multipliers"] = [spelling(-double(x)) for x in proof["instant"]["multipliers"]]
 
 
+def smaller(proof, draw):
+    """Less than what disturbs: G has terms that do not depend on D."""
+    d = proof["tube"]["disturbance"]
+    k = draw.choice([k for k in range(6) if double(d[k]) > 0])
+    d[k] = spelling(1e-3 * double(d[k]))
+
+
+def less_pull(proof, draw):
+    proof["tube"]["pull"] = spelling(draw.uniform(0, 0.5) * double(proof["tube"]["pull"]))
+
+
+def longer(proof, draw):
+    proof["tube"]["shortest"] = spelling(draw.uniform(2, 9) * double(proof["tube"]["shortest"]))
+
+
+def softer(proof, draw):
+    row = max(proof["tube"]["stiffness"], key=lambda row: max(map(double, row)))
+    k = max(range(6), key=lambda k: double(row[k]))
+    row[k] = spelling(draw.uniform(0, 0.3) * double(row[k]))
+
+
+def more_wrong(proof, draw):
+    """A margin raised, under its own hash, by what alone makes G greater than D."""
+    rig, step, margins, tube = proof["problem"]["rig"], proof["problem"]["step"], proof["problem"]["margins"], proof["tube"]
+    mass, g = double(rig["mass"]), [abs(double(x)) for x in rig["gravity"]]
+    inertia = math.hypot(*[double(x) for row in rig["inertia"] for x in row])
+    push, turn = [max(map(double, tube["disturbance"][k : k + 3])) for k in (0, 3)]
+    more = {"mass": push / max(g), "centreOfMass": turn * inertia / (mass * max(g)), "force": mass * push,
+            "torque": turn * inertia, "friction": mass * push / 6,
+            "accuracy": mass * push * double(tube["shortest"]) / (2 * double(tube["pull"])),
+            "samplePeriod": 1 / (double(step["lambda"]) + double(step["eta"]))}
+    more["delay"] = more["samplePeriod"]
+    name = draw.choice([name for name in margins if more[name] > 0])
+    margins[name] = spelling(double(margins[name]) + 1.01 * more[name])
+    text = json.dumps(proof["problem"], sort_keys=True, separators=(",", ":"))
+    proof["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+
+
+def no_tube(proof, draw):
+    del proof["tube"]
+
+
 # What may be done to a proof, and the conditions that may name it.
 OF_YES = [
     (bent, {"C7"}),
@@ -95,13 +138,21 @@ OF_YES = [
     (better, {"C10"}),
     (another_rig, {"C3"}),
 ]
+OF_TUBE = [
+    (smaller, {"C17"}),
+    (less_pull, {"C16"}),
+    (longer, {"C16"}),
+    (softer, {"C16"}),
+    (more_wrong, {"C2", "C4", "C17"}),
+    (no_tube, {"C1"}),
+]
 OF_SIX = [(bent_instant, {"C7", "C8"}), (another_rig, {"C3"})]
 OF_MORE = [(greater_shortfall, {"C13"}), (other_side, {"C13"}), (another_rig, {"C3"})]
 
 
 def bendings(proof):
     if proof["verdict"] == "admissible":
-        return OF_YES
+        return OF_YES + (OF_TUBE if "tube" in proof else [])
     return OF_SIX if "cable" in proof["instant"] else OF_MORE
 
 

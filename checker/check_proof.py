@@ -2,19 +2,20 @@
 
     python check_proof.py FILE...
 
-Written from the description of the format alone; (C1) to (C13) are its conditions, and names are its names.
+Written from the description of the format alone; (C1) to (C17) are its conditions, and names are its names.
 A real number is an `arb`, a ball that holds it; comparing balls gives True only of what is certain. A function of
 time is an `arb_series`, its Taylor coefficients, each a ball. Units: m, kg, s, N, N m, rad.
 """
-import functools
 import math
 import sys
 from collections import namedtuple
-from fractions import Fraction
 
-from flint import arb, arb_mat, arb_poly, arb_series, ctx, fmpq, fmpq_poly
+from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from proof_file import SIZE, Refused, brief, demand, read_file
+import motions
+from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models
+from margins import check_disturbance, judge_tube, make_tube, stiffness
+from proof_file import SIZE, Refused, brief, check_times, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
 ORDER = 8          # of the remainders of Taylor models over spans,
@@ -24,11 +25,8 @@ RESTS = 60         # pieces of 1/mu that the last span is cut in at most
 
 Verdict = namedtuple("Verdict", "verdict bounds sha256")
 Cable = namedtuple("Cable", "anchor attachment radius axis")
-Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap")
-
-
-class Undecided(Refused):
-    """Not proved of a piece of time as a whole; of its parts it may be."""
+Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap tube piece",
+                     defaults=[None] * 8)      # of a step until the gap, with margins the tube; of a motion the piece
 
 
 # --- The motion: (C4) ----------------------------------------------------------------------------------------------
@@ -40,26 +38,31 @@ def reduced(angle):
     return angle - 2 * arb.pi() * turns
 
 
-def prepare(rig, step):
-    """The problem in balls, e_0 and v_0 as `error` and `rates`, mu, M and Delta as `slow`, `fast` and `gap`."""
+def prepare(rig, step=None):
+    """The problem in balls, e_0 and v_0 as `error` and `rates`, mu, M and Delta as `slow`, `fast` and `gap`; without
+    a step that of a motion, whose `piece` is still to be set."""
     def balls(numbers):
         return [arb(x) for x in numbers]
     pulleys = [cable.get("pulley", {"radius": 0.0, "axis": []}) for cable in rig["cables"]]
     cables = [Cable(balls(cable["anchor"]), balls(cable["attachment"]), arb(pulley["radius"]), balls(pulley["axis"]))
               for cable, pulley in zip(rig["cables"], pulleys)]
+    body = Problem(arb(rig["mass"]), [balls(row) for row in rig["inertia"]], balls(rig["gravity"]),
+                   balls(rig["disturbance"][:3]), balls(rig["disturbance"][3:]), cables)
+    if step is None:
+        return body
     place = balls(step["setPoint"])
     error = [x - p for x, p in zip(balls(step["start"]), place)]
     slow, fast = balls(sorted((step["lambda"], step["eta"])))
-    return Problem(arb(rig["mass"]), [balls(row) for row in rig["inertia"]], balls(rig["gravity"]),
-                   balls(rig["disturbance"][:3]), balls(rig["disturbance"][3:]), cables, place,
-                   error[:3] + [reduced(x) for x in error[3:]], balls(step["rates"]), slow, fast, fast - slow)
+    return body._replace(place=place, error=error[:3] + [reduced(x) for x in error[3:]], rates=balls(step["rates"]),
+                         slow=slow, fast=fast, gap=fast - slow)
 
 
 def check_angles(problem):
-    """(C4)."""
-    slow, gap = problem.slow, problem.gap
+    """(C4); bounds of |roll|, |pitch| and |yaw| in the tube (rad), each less a multiple of 2 pi."""
+    slow, gap, bounds = problem.slow, problem.gap, []
     for j, name in (3, "roll"), (4, "pitch"), (5, "yaw"):
-        e, v = problem.error[j], problem.rates[j]
+        e, v, place = problem.error[j], problem.rates[j], reduced(problem.place[j])
+        play = problem.tube.play[0][j] if problem.tube else 0
         extremes = [arb(0), e]
         k = v + problem.fast * e        # e_0 f + v_0 phi = e_0 exp(-M t) + k phi
         if v != 0 and k / v > 0:
@@ -69,10 +72,10 @@ def check_angles(problem):
         elif v != 0 and not k / v <= 0:     # k may be 0; phi is below 1/mu
             extremes += [abs(e) + abs(k) / slow, -abs(e) - abs(k) / slow]
         for x in extremes:
-            demand(abs(x) < arb.pi(), "C4", f"{name}: expected an error within pi, found {float(x)}")
-            if name == "pitch":
-                pitch = reduced(problem.place[j]) + x
-                demand(abs(pitch) < arb.pi() / 2, "C4", f"expected a pitch within pi/2, found {float(pitch)}")
+            demand(abs(x + play) < arb.pi(), "C4", f"{name}: expected an error within pi, found {float(x)}")
+        bounds.append(largest([abs(place + x + play).upper() for x in extremes]))
+    demand(bounds[1] < arb.pi() / 2, "C4", f"expected a pitch within pi/2, found {float(bounds[1])}")
+    return bounds
 
 
 def decays(problem, time):
@@ -89,13 +92,20 @@ def decays_rest(problem, time):
     return [arb(0).union(x) for x in (slow, (-problem.fast * time).exp(), most)]
 
 
+def begin(problem, time):
+    """What `coordinates` starts from at a time (s) that is a ball."""
+    return time if problem.piece else decays(problem, time)
+
+
 def coordinates(problem, start, scale):
     """The coordinates and their first and second derivatives in t (m, rad, s), as series in x: `start` is what
-    `decays` gives at x = 0, and t changes by `scale` x (s).
+    `begin` gives at x = 0, and t changes by `scale` x (s).
 
     The k-th derivative of phi is -(-1)^k (S_k exp(-M t) - mu^k phi), S_k = (M^k - mu^k)/(M - mu), and f' is
     -mu M phi. So every coefficient is tight also where `start` is wide.
     """
+    if problem.piece:
+        return motions.coordinates(problem.piece, start, scale)
     slow, fast = problem.slow, problem.fast
     decay, quick, phi = start
     series, power, s, factor = [], arb(1), arb(0), arb(-1)
@@ -109,18 +119,12 @@ def coordinates(problem, start, scale):
     dq = [x.derivative() * (1 / scale) for x in q]
     ddq = [x.derivative() * (1 / scale) for x in dq]
     ctx.cap -= 2
+    if problem.tube:    # at each instant its motions differ from this one by unknown constants
+        q, dq, ddq = [[x + y for x, y in zip(*both)] for both in zip((q, dq, ddq), problem.tube.play)]
     return q, dq, ddq
 
 
 # --- The equations -------------------------------------------------------------------------------------------------
-
-def dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a, b):
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
 
 def root(x, what):
     """Square root of a series, both proved to be positive (C6); tighter than its method where `x` is wide."""
@@ -131,7 +135,8 @@ def root(x, what):
 
 
 def equations(problem, start, scale):
-    """v and l of each cable (m) and w (N, N m), platform's frame, as series (see `coordinates`); (C6)."""
+    """v and l of each cable (m) and w (N, N m), platform's frame, the transpose of R, and kappa, a and e (m) of each
+    cable's pulley, as series (see `coordinates`); (C6)."""
     q, dq, ddq = coordinates(problem, start, scale)
     (sa, ca), (sb, cb), (sc, cc) = [x.sin_cos() for x in q[3:]]
     cc_sb, sc_sb = cc * sb, sc * sb
@@ -140,12 +145,15 @@ def equations(problem, start, scale):
             [cc_sb * ca + sc * sa, sc_sb * ca - cc * sa, cb * ca]]
     def platform(vector):
         return [dot(row, vector) for row in turn]
-    vectors, lengths = [], []
+    vectors, lengths, wheels = [], [], []
     for i, cable in enumerate(problem.cables, 1):
         a = platform([x - p for x, p in zip(cable.anchor, q)])
-        v = [x - b for x, b in zip(a, cable.attachment)]
+        v, wheel = [x - b for x, b in zip(a, cable.attachment)], []
         if cable.axis:
-            v = round_pulley(v, cable.radius, platform(cable.axis), i)
+            axis, a = platform(cable.axis), v
+            v, e = round_pulley(a, cable.radius, axis, i)
+            wheel = [axis, a, e]
+        wheels.append(wheel)
         vectors.append(v)
         lengths.append(root(dot(v, v), f"length of cable {i}"))
     (da, db, dc), (dda, ddb, ddc) = dq[3:], ddq[3:]
@@ -155,11 +163,11 @@ def equations(problem, start, scale):
     momentum, rate = [[dot(row, x) for row in problem.inertia] for x in (spin, dspin)]
     force = platform([problem.mass * (a - g) - f for a, g, f in zip(ddq, problem.gravity, problem.force)])
     torque = [a + b - c for a, b, c in zip(rate, cross(spin, momentum), platform(problem.torque))]
-    return vectors, lengths, force + torque
+    return vectors, lengths, force + torque, turn, wheels
 
 
 def round_pulley(a, r, axis, i):
-    """v (m) of cable `i`, whose anchor has a pulley; (C6)."""
+    """v and e (m) of cable `i`, whose anchor has a pulley; (C6)."""
     height = -dot(a, axis)
     out = [-x - height * k for x, k in zip(a, axis)]
     e = root(dot(out, out), f"e of cable {i}")
@@ -167,18 +175,10 @@ def round_pulley(a, r, axis, i):
     square = p * p + height * height
     s = root(square - r * r, f"s of cable {i}")
     along, up = (1 + (p * r - height * s) / square) * r / e, (height * r + p * s) / square * r
-    return [x + along * y + up * k for x, y, k in zip(a, out, axis)]
+    return [x + along * y + up * k for x, y, k in zip(a, out, axis)], e
 
 
-# --- Pieces of time: (C6), (C7), (C8) ------------------------------------------------------------------------------
-
-def interval(ball):
-    return f"[{float(ball.lower()):.17g}, {float(ball.upper()):.17g}]"
-
-
-def largest(balls):
-    return functools.reduce(arb.max, balls)
-
+# --- Pieces of time: (C6), (C7), (C8), (C16) ------------------------------------------------------------------------
 
 def unknowns(problem, span):
     """What the fields of a span or an instant say. With L_i v = (v, b_i x v), so that column i of V is L_i v_i:
@@ -198,31 +198,20 @@ def unknowns(problem, span):
 
 
 def functions(problem, start, scale, s):
-    """The functions of time that a piece is judged by, where s (N/m) is the guess: v, l, w and all v s, l s."""
-    vectors, lengths, w = equations(problem, start, scale)
-    return vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], [a * b for a, b in zip(lengths, s)]
+    """The functions of time that a piece is judged by, where s (N/m) is the guess: v, l, w and all v s, l s, and
+    with margins K, each e, and what else `equations` gives."""
+    vectors, lengths, w, turn, wheels = equations(problem, start, scale)
+    pulls = [a * b for a, b in zip(lengths, s)]
+    found = vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], pulls
+    if problem.tube:
+        torques = stiffness(turn, problem.cables, vectors, lengths, wheels, pulls)
+        found += torques, [wheel[2] for wheel in wheels if wheel], turn, wheels
+    return found
 
 
-def models(middle, whole, order):
-    """Taylor models of functions of x in [-1, 1], one a row: the coefficients below `order` at x = 0, from
-    `middle`, and then that of the remainder (Lagrange's), from `whole`, which holds it at every x."""
-    rows = []
-    for a, b in zip(middle, whole):
-        a, b = a.coeffs(), b.coeffs()
-        rows.append(a[:order] + [0] * (order - len(a)) + (b[order:order + 1] or [0]))
-    return arb_mat(rows)
-
-
-@functools.cache
-def bernstein(order):
-    """Matrix from coefficients of a polynomial on [-1, 1] to those of Bernstein's form, which enclose it."""
-    line = fmpq_poly([-1, 2])
-    return arb_mat([[arb(sum(((line ** k)[i] * fmpq(math.comb(j, i), math.comb(order, i)) for i in range(j + 1)),
-                             fmpq(0))) for j in range(order + 1)] for k in range(order + 1)])
-
-
-def judge(span, given, numbers, middle, whole):
-    """(C7), and (C8) of the cables `numbers` (from 0), in a piece of time: `functions` in its middle and over all."""
+def judge(problem, span, given, numbers, middle, whole):
+    """(C7), and (C8) of the cables `numbers` (from 0), and with margins (C16), in a piece of time: `functions` in its
+    middle and over all."""
     basis, levers, beside, _, spread = given
     order, coarse = ctx.cap - 1, min(ctx.cap - 1, COARSE)
     residual = beside * models(middle[2], whole[2], order) * bernstein(order)
@@ -238,24 +227,26 @@ def judge(span, given, numbers, middle, whole):
     if not largest(rho) < 1:
         raise Undecided("C7", f"expected rho < 1, proved rho <= {float(largest(rho)):.6g} only")
     tail = largest(r) / (1 - largest(rho))
-    for k in range(6):
-        bound = r[k] + rho[k] * tail
+    bounds = [x + y * tail for x, y in zip(r, rho)]
+    for k, bound in enumerate(bounds):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
-    pulls, lengths = [(models([middle[m][i] for i in numbers], [whole[m][i] for i in numbers], order)
-                       * bernstein(order)).tolist() for m in (3, 1)]
+    friction = arb(problem.tube.margins["friction"]) if problem.tube else 0
+    pulls, lengths = [extents([middle[m][i] for i in numbers], [whole[m][i] for i in numbers]) for m in (3, 1)]
     for i, pull, length in zip(numbers, pulls, lengths):
-        least = -largest([spread[i] * b - a for a, b in zip(pull, length)])
-        most = largest([spread[i] * b + a for a, b in zip(pull, length)])
+        least = -largest([spread[i] * b - a for a, b in zip(pull, length)]) - friction
+        most = largest([spread[i] * b + a for a, b in zip(pull, length)]) + friction
         low, high = span["least"][i], span["greatest"][i]
         if not (least >= low and most <= high):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
                                   f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
+    if problem.tube:
+        judge_tube(problem, bounds, *[(x[1], x[3], x[4], x[5], x[6], x[0], x[7]) for x in (middle, whole)])
 
 
 def prove_parts(problem, span, given, centre, scale):
-    """(C6) to (C8) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
+    """(C6) to (C8) and (C16) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
     parts = [(arb(0), arb(1), 0)]
     while parts:
         tau, half, depth = parts.pop()
@@ -264,8 +255,8 @@ def prove_parts(problem, span, given, centre, scale):
             found = []
             for x in tau, arb(tau, half):
                 s = [arb_series(g(arb_poly([x, half]))) for g in given[3]]
-                found.append(functions(problem, decays(problem, centre + scale * x), scale * half, s))
-            judge(span, given, range(len(problem.cables)), *found)
+                found.append(functions(problem, begin(problem, centre + scale * x), scale * half, s))
+            judge(problem, span, given, range(len(problem.cables)), *found)
         except Undecided as fault:
             at = f"t = {float(centre + scale * tau):.9g}"
             demand(depth < HALVINGS, fault.condition, f"{at}: {fault.message}")
@@ -273,14 +264,17 @@ def prove_parts(problem, span, given, centre, scale):
 
 
 def prove_constant(problem, span, given, numbers, start):
-    """(C6) to (C8) of the cables `numbers` where `decays` are in `start` and the polynomials are constant."""
+    """(C6) to (C8) and (C16) of the cables `numbers` where what `begin` gives is in `start` and the polynomials are
+    constant."""
     ctx.cap = 1
     found = functions(problem, start, arb(1), [arb_series(g) for g in given[3]])
-    judge(span, given, numbers, found, found)
+    judge(problem, span, given, numbers, found, found)
 
 
 def prove_rest(problem, span, given):
-    """(C6) to (C8) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
+    """(C6) to (C8) and (C16) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
+    if problem.piece:
+        return prove_constant(problem, span, given, range(len(problem.cables)), arb(0))
     start, scale = arb(span["from"]), 1 / (2 * problem.slow)
     for left in range(RESTS, -1, -1):
         try:
@@ -294,19 +288,17 @@ def prove_rest(problem, span, given):
 # --- Verdicts: (C5) to (C13) ---------------------------------------------------------------------------------------
 
 def check_admissible(problem, proof, cables):
-    """(C5) to (C10)."""
-    spans = proof["spans"]
-    demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
-    for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
-        demand(span["from"] < span["to"], "C5", f"span {k}: expected from < to, found {span['from']}, {span['to']}")
-        demand(after["from"] <= span["to"], "C5",
-               f"span {k + 1}: expected from <= {span['to']}, where span {k} ends, found {after['from']}")
-    start, slow = spans[-1]["from"], min(proof["problem"]["step"][gain] for gain in ("lambda", "eta"))
-    demand(Fraction(start) * Fraction(slow) >= 1, "C5", f"last span: expected from >= 1/{slow}, found {start}")
+    """(C5) to (C10), and (C14) to (C16)."""
+    spans, pieces = proof["spans"], [None] * len(proof["spans"])
+    if "step" in proof["problem"]:
+        check_times(proof["problem"]["step"], spans)
+    else:
+        pieces = motions.check(proof["problem"]["motion"], proof)
     for name, pick in ("least", min), ("greatest", max):
         found = pick(pick(span[name]) for span in spans)
         demand(proof[name] == found, "C10", f"{name}: expected {found}, found {proof[name]}")
-    for k, span in enumerate(spans, 1):
+    for k, (span, piece) in enumerate(zip(spans, pieces), 1):
+        problem = problem._replace(piece=piece)
         for i, cable in enumerate(cables):
             for low, high in (cable["least"], span["least"][i]), (span["greatest"][i], cable["greatest"]):
                 demand(low < high, "C9", f"span {k}, cable {i + 1}: expected {low} < {high}")
@@ -319,7 +311,8 @@ def check_admissible(problem, proof, cables):
                 prove_parts(problem, span, given, (first + last) / 2, (last - first) / 2)
         except Refused as fault:
             raise Refused(fault.condition, f"span {k}, {fault.message}") from None
-    return f"{proof['least']:.9g} to {proof['greatest']:.9g} N, {len(spans)} spans"
+    jump = ", jumps of at most {:.3g} (m, rad) and {:.3g} (m/s, rad/s)".format(*proof["jump"]) if "jump" in proof else ""
+    return f"{proof['least']:.9g} to {proof['greatest']:.9g} N, {len(spans)} spans{jump}"
 
 
 def check_six(problem, instant, cables):
@@ -341,7 +334,7 @@ def check_farkas(problem, instant, cables):
     z, time, shortfall = instant["multipliers"], instant["time"], instant["shortfall"]
     demand(time >= 0, "C13", f"instant: expected time >= 0, found {time}")
     ctx.cap = 1
-    vectors, lengths, w = equations(problem, decays(problem, arb(time)), arb(1))
+    vectors, lengths, w, *_ = equations(problem, decays(problem, arb(time)), arb(1))
     most, size = arb(0), arb(0)
     for i, (cable, v, length) in enumerate(zip(cables, vectors, lengths)):
         v = [x[0] for x in v]
@@ -361,9 +354,14 @@ def check(text):
     """The verdict that the proof `text` (string or bytes) proves; raises `Refused` if it proves none."""
     ctx.prec = BITS
     proof = read_file(text)
-    rig, step = proof["problem"]["rig"], proof["problem"]["step"]
+    rig, step = proof["problem"]["rig"], proof["problem"].get("step")
     problem = prepare(rig, step)
-    check_angles(problem)
+    if "tube" in proof:
+        problem = problem._replace(tube=make_tube(problem, proof["problem"]["margins"], proof["tube"]))
+    if step:
+        angles = check_angles(problem)
+    if problem.tube:
+        check_disturbance(problem, *angles[:2])
     if "spans" in proof:
         bounds = check_admissible(problem, proof, rig["cables"])
     else:

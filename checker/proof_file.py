@@ -1,4 +1,4 @@
-"""Reads proof files (version 1) of cable-suspended robots: conditions (C1) to (C3), fields, limits and hash."""
+"""Reads proof files (version 1) of cable-suspended robots: conditions (C1) to (C3), fields, limits and hash, and (C5)."""
 import hashlib
 import json
 import math
@@ -8,7 +8,7 @@ SIZE = 10_000_000  # bytes of a file at most
 
 
 class Refused(Exception):
-    """The proof is refused; `condition` is "C1" to "C13"."""
+    """The proof is refused; `condition` is "C1" to "C17"."""
 
     def __init__(self, condition, message):
         super().__init__(f"{condition}: {message}")
@@ -53,6 +53,12 @@ def anything(value, where):
     return value
 
 
+def whole(value, where):
+    """A JSON number without a fraction."""
+    demand(type(value) is int, "C1", f"{where}: expected a number without a fraction, found {brief(value)}")
+    return value
+
+
 def array(inner, least, greatest=None):
     """The shape of an array of `least` (to `greatest`) times `inner`."""
     return inner, least, least if greatest is None else greatest
@@ -61,11 +67,19 @@ def array(inner, least, greatest=None):
 VECTOR, SIX = array(number, 3), array(number, 6)
 CABLE = {"anchor": VECTOR, "attachment": VECTOR, "least": number, "greatest": limit,
          "pulley?": {"radius": number, "axis": VECTOR}}
+PART = {"way": array(SIX, 1, 4), "begin": number, "s": number, "rate": number, "acceleration": number, "beta": number,
+        "jerk": number}
+PIECE = {"duration": number, "offset": SIX, "parts": array(PART, 1, 4)}
 PROBLEM = {"rig": {"mass": number, "inertia": array(VECTOR, 3), "gravity": VECTOR, "disturbance": SIX,
                    "cables": array(CABLE, 0, SIZE)},
-           "step": {"start": SIX, "rates": SIX, "setPoint": SIX, "lambda": number, "eta": number}}
+           "step?": {"start": SIX, "rates": SIX, "setPoint": SIX, "lambda": number, "eta": number},
+           "motion?": {"pieces": array(PIECE, 1, SIZE)},
+           "margins?": {name: number for name in ("mass", "centreOfMass", "force", "torque", "friction", "accuracy",
+                                                  "samplePeriod", "delay")}}
+TUBE = {"disturbance": SIX, "pull": number, "shortest": number, "sideways?": number, "stiffness": array(SIX, 3)}
 FILE = {"format": anything, "version": anything, "problem": PROBLEM, "sha256": anything, "verdict": anything}
-VERDICTS = {"admissible": {"least": number, "greatest": number, "spans": array(anything, 1, SIZE)},
+VERDICTS = {"admissible": {"least": number, "greatest": number, "spans": array(anything, 1, SIZE), "tube?": TUBE,
+                           "jump?": array(number, 2)},
             "not admissible": {"instant": anything}}
 FARKAS = {"time": number, "multipliers": SIX, "shortfall": number}
 
@@ -114,7 +128,12 @@ def read_file(text):
         demand(type(found) is type(expected[0]) and found in expected, "C1",
                f"{key}: expected {' or '.join(map(brief, expected))}, found {brief(found)}")
     proof = read(raw, FILE | VERDICTS[raw["verdict"]], "file")
-    check_problem(proof["problem"]["rig"], proof["problem"]["step"])
+    moves = "motion" in proof["problem"]
+    demand(moves != ("step" in proof["problem"]), "C1", "problem: expected either a step or a motion")
+    demand(not moves or raw["verdict"] == "admissible", "C1", "verdict: expected admissible, the only one of a motion")
+    demand(moves == ("jump" in proof), "C1", "jump: expected of a motion, and of nothing else")
+    check_problem(proof["problem"]["rig"], proof["problem"].get("step"), proof["problem"].get("motion"))
+    check_margins(proof)
     text = json.dumps(raw["problem"], sort_keys=True, separators=(",", ":"))
     digest = hashlib.sha256(text.encode()).hexdigest()
     demand(proof["sha256"] == digest, "C3", f"the problem's sha256 is {digest}, found {brief(proof['sha256'])}")
@@ -122,17 +141,25 @@ def read_file(text):
     if "instant" in proof:
         shape = FARKAS if n > 6 else lemma_shape(1, number, {"time": number, "cable": anything})
         return proof | {"instant": read(proof["instant"], shape, "instant")}
-    more = {"from": number} | ({"base": array(number, n), "basis": array(SIX, n)} if n > 6 else {})
-    usual, last = lemma_shape(6, array(number, n), more | {"to": number}), lemma_shape(1, array(number, n), more)
+    more = ({"base": array(number, n), "basis": array(SIX, n)} if n > 6 else {})
+    usual = more | {"from": number, "to": number} | ({"piece": whole} if moves else {})
+    last = more if moves else more | {"from": number}
+    usual, last = lemma_shape(6, array(number, n), usual), lemma_shape(1, array(number, n), last)
     spans = zip(proof["spans"], [usual] * (len(proof["spans"]) - 1) + [last])
     return proof | {"spans": [read(*span, f"span {k}") for k, span in enumerate(spans, 1)]}
 
 
-def check_problem(rig, step):
+def check_problem(rig, step=None, motion=None):
     """(C2), exact."""
     cables, inertia = rig["cables"], rig["inertia"]
     demand(6 <= len(cables) <= 16, "C2", f"expected 6 to 16 cables, found {len(cables)}")
-    for name, x in ("mass", rig["mass"]), ("lambda", step["lambda"]), ("eta", step["eta"]):
+    positive = [("mass", rig["mass"])] + [(gain, step[gain]) for gain in ("lambda", "eta") if step]
+    for k, piece in enumerate(motion["pieces"] if motion else [], 1):
+        positive.append((f"duration of piece {k}", piece["duration"]))
+        for part in piece["parts"]:
+            demand(part["beta"] == 0 or part["jerk"] == 0, "C2",
+                   f"piece {k}: expected beta or jerk = 0, found {part['beta']}, {part['jerk']}")
+    for name, x in positive:
         demand(x > 0, "C2", f"expected {name} > 0, found {x}")
     for i in range(3):
         demand(inertia[i][i] > 0, "C2", f"inertia: expected a positive diagonal, found {inertia[i][i]}")
@@ -143,3 +170,35 @@ def check_problem(rig, step):
         demand(pulley["radius"] > 0, "C2", f"cable {i}: expected a radius > 0, found {pulley['radius']}")
         demand(abs(sum(Fraction(k) ** 2 for k in pulley["axis"]) - 1) <= Fraction(1, 10 ** 12), "C2",
                f"cable {i}: expected an axis of length 1, found {pulley['axis']}")
+
+
+def check_margins(proof):
+    """(C1) and (C2) of the margins and of the tube."""
+    cables, margins, tube = proof["problem"]["rig"]["cables"], proof["problem"].get("margins"), proof.get("tube")
+    if margins:
+        demand("step" in proof["problem"], "C1", "margins are of a step only, this is a motion")
+        for name, x in margins.items():
+            demand(x >= 0, "C2", f"margins: expected {name} >= 0, found {x}")
+        demand(margins["mass"] < 1, "C2", f"margins: expected mass < 1, found {margins['mass']}")
+        if proof["verdict"] == "admissible":
+            demand(len(cables) == 6, "C2", f"margins of an admissible step: expected six cables, found {len(cables)}")
+    wanted = margins is not None and proof["verdict"] == "admissible"
+    demand(wanted == (tube is not None), "C1", f"tube: expected {'one' if wanted else 'none'}, with margins only")
+    if tube:
+        pulleys = any("pulley" in cable for cable in cables)
+        demand(("sideways" in tube) == pulleys, "C1", f"tube.sideways: expected {'one' if pulleys else 'none'}")
+        for name, x in tube.items():
+            numbers = [x] if isinstance(x, float) else sum((y if isinstance(y, list) else [y] for y in x), [])
+            demand(min(numbers) >= 0, "C2", f"tube: expected {name} >= 0, found {min(numbers)}")
+        demand(tube["shortest"] > 0, "C2", "tube: expected shortest > 0, found 0")
+
+
+def check_times(step, spans):
+    """(C5), exact."""
+    demand(spans[0]["from"] == 0, "C5", f"span 1: expected from = 0, found {spans[0]['from']}")
+    for k, (span, after) in enumerate(zip(spans, spans[1:]), 1):
+        demand(span["from"] < span["to"], "C5", f"span {k}: expected from < to, found {span['from']}, {span['to']}")
+        demand(after["from"] <= span["to"], "C5",
+               f"span {k + 1}: expected from <= {span['to']}, where span {k} ends, found {after['from']}")
+    start, slow = spans[-1]["from"], min(step["lambda"], step["eta"])
+    demand(Fraction(start) * Fraction(slow) >= 1, "C5", f"last span: expected from >= 1/{slow}, found {start}")

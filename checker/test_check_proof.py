@@ -22,7 +22,9 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 # --- The model in floats -------------------------------------------------------------------
 
 def jets(step, t):
-    """Coordinates and their first two derivatives: [(q, q', q'')], of different gains."""
+    """Coordinates and their first two derivatives: [(q, q', q'')], of different gains; or of a function of time."""
+    if callable(step):
+        return step(t)
     slow, fast = sorted((step["lambda"], step["eta"]))
     found = []
     for start, place, v in zip(step["start"], step["setPoint"], step["rates"]):

@@ -16,7 +16,17 @@ QUIET = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.
 
 
 def on_the_way(rig, start, goal):
-    """s'' constant in each cell, the limits held at both its ends."""
+    solved = pieces_on_the_way(rig, start, goal)
+    if solved is None:
+        return None
+    planning, pieces = solved
+    way = goal - start
+    rows = lambda t: [start + np.outer(pieces(t)[0], way), *(np.outer(part, way) for part in pieces(t)[1:])]
+    return motion.planned(rig, goal, rows, pieces.ends[-1], planning)
+
+
+def pieces_on_the_way(rig, start, goal):
+    """Solver's CPU time and s over time: s'' constant in each cell, the limits held at both its ends. None where ipopt finds nothing."""
     cells = CELLS[rig.cables]
     h = 1 / cells
     a, b, c = optimum.conditions(rig, start, goal, np.linspace(0, 1, cells + 1))
@@ -36,21 +46,19 @@ def on_the_way(rig, start, goal):
     if not solver.stats()["success"]:
         return None
     speeds = np.array(solved["x"]).ravel()
-    pieces = _Pieces(2 * h / (speeds[1:] + speeds[:-1]), places, speeds)
-    way = goal - start
-    rows = lambda t: [start + np.outer(pieces(t)[0], way), *(np.outer(part, way) for part in pieces(t)[1:])]
-    return motion.planned(rig, goal, rows, pieces.ends[-1], planning)
+    return planning, Pieces(2 * h / (speeds[1:] + speeds[:-1]), places, speeds)
 
 
-class _Pieces:
+class Pieces:
     """Position, rate and acceleration over time from pieces of constant acceleration."""
 
     def __init__(self, durations, places, speeds):
         self.ends, self.places, self.speeds = np.concatenate([[0], np.cumsum(durations)]), places, speeds
+        self.accelerations = ((speeds[1:] - speeds[:-1]).T / np.diff(self.ends)).T
 
     def __call__(self, times):
         k = np.clip(np.searchsorted(self.ends, times, side="right") - 1, 0, len(self.ends) - 2)
-        a = ((self.speeds[1:] - self.speeds[:-1]).T / np.diff(self.ends)).T[k]
+        a = self.accelerations[k]
         t = (times - self.ends[k]).reshape(-1, *[1] * (a.ndim - 1))
         return self.places[k] + self.speeds[k] * t + 0.5 * a * t * t, self.speeds[k] + a * t, a
 
@@ -77,7 +85,7 @@ def _solver(rig, free, intervals):
 
 
 def least_time(rig, start, rates, goal, free, guess, intervals=INTERVALS):
-    """(solver's CPU time, duration, motion) from a state to rest at the goal; `guess` s. None where ipopt finds nothing."""
+    """(solver's CPU time, duration, motion, its pieces in the free coordinates) from a state to rest at the goal; `guess` s. None where ipopt finds nothing."""
     d, free = len(free), list(free)
     solver = _solver(rig, tuple(free), intervals)
     sizes = [1, d * (intervals + 1), d * (intervals + 1), d * intervals, rig.cables * 2 * intervals]
@@ -99,7 +107,7 @@ def least_time(rig, start, rates, goal, free, guess, intervals=INTERVALS):
         return None
     parts = np.split(np.array(solved["x"]).ravel(), cuts[1:-1])
     durations = np.full(intervals, parts[0][0] / intervals)
-    pieces = _Pieces(durations, parts[1].reshape(-1, d), parts[2].reshape(-1, d))
+    pieces = Pieces(durations, parts[1].reshape(-1, d), parts[2].reshape(-1, d))
 
     def rows(times):
         found = np.zeros((3, len(times), 6))
@@ -107,18 +115,21 @@ def least_time(rig, start, rates, goal, free, guess, intervals=INTERVALS):
         found[:, :, free] = pieces(times)
         return found
 
-    return planning, parts[0][0], rows
+    return planning, parts[0][0], rows, pieces
+
+
+def from_rest(rig, start, goal, coordinates):
+    """What `least_time` gives from rest to rest with those coordinates free."""
+    guess = 1.5 * optimum.least_time(rig, start, goal, 50)
+    return least_time(rig, start, 0 * start, goal, coordinates, guess)
 
 
 def free_of_it(coordinates):
-    """From rest to rest with those coordinates free."""
-
     def plan(rig, start, goal):
-        guess = 1.5 * optimum.least_time(rig, start, goal, 50)
-        solved = least_time(rig, start, 0 * start, goal, coordinates, guess)
+        solved = from_rest(rig, start, goal, coordinates)
         if solved is None:
             return None
-        planning, duration, rows = solved
+        planning, duration, rows, _ = solved
         return motion.planned(rig, goal, rows, duration, planning)
 
     return plan

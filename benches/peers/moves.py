@@ -30,6 +30,16 @@ def of_the_papers_rig():
     }
 
 
+KINDS = {"level": (0, 0), "space": (0.3, 0), "turned": (0.2, 0.15)}  # of moves of the paper's rig: height (m) and turn (rad)
+
+
+def of_all_kinds(count):
+    """Kind, number, start and goal, one of each kind in turn; more moves begin with the same ones."""
+    most = -(-count // len(KINDS))
+    drawn = {kind: pairs(np.random.default_rng([SEED, k]), most, *extent) for k, (kind, extent) in enumerate(KINDS.items())}
+    return [(kind, k, *drawn[kind][k]) for k in range(most) for kind in KINDS][:count]
+
+
 def of_cogiro(rig):
     """Turned and in space, about the home of the rig with eight cables."""
     rng = np.random.default_rng(SEED)

@@ -36,18 +36,18 @@ besides and are given limits that are so much wider. Tensions are looked at by i
 planned motion, ours at every 0.1 ms, closed loops at every step (CoGiRo: {motion.SAMPLES[8]} instants, and of the ways to share the load the evenest). "Within limits" allows {100 * motion.KEPT:.2f} % of the weight.
 
 - *{OURS}*: the plan, read out of the packed FMU; *closed loop*: that planner, `Exact` and `Bounded` through the packed FMUs at 1 kHz. Planning is the step that takes up the goal, less the one before.
-- *toppra* {_version("toppra")}, {parametrized.POINTS} points, both schemes, its model the inverse dynamics in numpy, for all points at once or, as its class `SecondOrderConstraint` has it, *a point at a time*; with eight cables it gets the planes of the wrenches that they can exert. *ruckig* {_version("ruckig")} knows limits of the axes only: it gets the greatest acceleration, the same
+- *toppra* {version("toppra")}, {parametrized.POINTS} points, both schemes, its model the inverse dynamics in numpy, for all points at once or, as its class `SecondOrderConstraint` has it, *a point at a time*; with eight cables it gets the planes of the wrenches that they can exert. *ruckig* {version("ruckig")} knows limits of the axes only: it gets the greatest acceleration, the same
   for all axes, with which the tensions are kept, found by {parametrized.HALVINGS} halvings; planning is of one call.
-- *CasADi* {_version("casadi")} with ipopt: the optimum *on the way* (the straight one; {ipopt.CELLS[6]} cells, {ipopt.CELLS[8]} with eight cables, limits kept at both ends of each) and *free* of it: planar (x and y at the height and orientation of the start), spatial (x, y, z), or all six
+- *CasADi* {version("casadi")} with ipopt: the optimum *on the way* (the straight one; {ipopt.CELLS[6]} cells, {ipopt.CELLS[8]} with eight cables, limits kept at both ends of each) and *free* of it: planar (x and y at the height and orientation of the start), spatial (x, y, z), or all six
   coordinates; {ipopt.INTERVALS} intervals of constant acceleration, limits kept at both ends of each. Planning is the solver's call.
-- *OSQP* {_version("osqp")}, MPC towards the goal in all six coordinates: steps of {1e3 * mpc.STEP:.0f} ms, a horizon of {mpc.HORIZON} ({mpc.STEP * mpc.HORIZON:.1f} s), linearised about what was predicted the step before, limits of the tensions in each step, quadratic cost of pose and rates; closed loop on a rigid body in
+- *OSQP* {version("osqp")}, MPC towards the goal in all six coordinates: steps of {1e3 * mpc.STEP:.0f} ms, a horizon of {mpc.HORIZON} ({mpc.STEP * mpc.HORIZON:.1f} s), linearised about what was predicted the step before, limits of the tensions in each step, quadratic cost of pose and rates; closed loop on a rigid body in
   numpy. Planning is the median of one step. It may leave the straight way, tilts and rises.
 - *The way's optimum*: the least time on the straight way, by forward and backward passes on a fine grid (1,000 cells; CoGiRo 500), whose error is below 0.001 %.
 
 """
 
 
-def _version(package):
+def version(package):
     pinned = (ROOT / "benches/peers/requirements.txt").read_text().split()
     return next(line.split("==")[1] for line in pinned if line.startswith(package + "=="))
 

@@ -56,13 +56,18 @@ def a_point_at_a_time(rig, scheme):
     return toppra.constraint.SecondOrderConstraint(*limits, 6, discretization_scheme=scheme)
 
 
+def toppras(rig, start, goal, scheme, limits=TensionLimits):
+    """toppra's trajectory or None."""
+    path = toppra.SplineInterpolator([0, 1], np.array([start, goal]))
+    grid = np.linspace(0, 1, POINTS)
+    instance = toppra.algorithm.TOPPRA([limits(rig, scheme)], path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+    return instance.compute_trajectory(0, 0)
+
+
 def by_toppra(scheme, limits=TensionLimits):
     def plan(rig, start, goal):
         begun = time.thread_time()
-        path = toppra.SplineInterpolator([0, 1], np.array([start, goal]))
-        grid = np.linspace(0, 1, POINTS)
-        instance = toppra.algorithm.TOPPRA([limits(rig, scheme)], path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-        trajectory = instance.compute_trajectory(0, 0)
+        trajectory = toppras(rig, start, goal, scheme, limits)
         planning = time.thread_time() - begun
         if trajectory is None:
             return None
@@ -71,21 +76,27 @@ def by_toppra(scheme, limits=TensionLimits):
     return plan
 
 
-interpolation = by_toppra(toppra.constraint.DiscretizationType.Interpolation)
-second_order = by_toppra(toppra.constraint.DiscretizationType.Interpolation, a_point_at_a_time)
-collocation = by_toppra(toppra.constraint.DiscretizationType.Collocation)
+INTERPOLATION, COLLOCATION = toppra.constraint.DiscretizationType.Interpolation, toppra.constraint.DiscretizationType.Collocation
+interpolation = by_toppra(INTERPOLATION)
+second_order = by_toppra(INTERPOLATION, a_point_at_a_time)
+collocation = by_toppra(COLLOCATION)
 
 
 def by_ruckig(rig, start, goal):
-    """The same acceleration for all axes, the greatest with which the tensions are kept, by halving; `planning` is of one call."""
+    """`planning` is of one call."""
+    return fastest_by_ruckig(rig, start, goal, lambda found: found.keeps)[0]
+
+
+def fastest_by_ruckig(rig, start, goal, is_kept):
+    """The same acceleration for all axes, the greatest with which a motion is kept, by halving: what was found of it, ruckig's trajectory; None, None where there is none."""
     moving = np.flatnonzero(start != goal)
-    planner, best = ruckig.Ruckig(len(moving)), None
+    planner, best = ruckig.Ruckig(len(moving)), (None, None)
     below, above = 0.0, 40.0
     for _ in range(HALVINGS):
         most = 0.5 * (below + above)
-        found = _with_acceleration(planner, rig, start, goal, moving, most)
-        if found.keeps:
-            below, best = most, found
+        found, trajectory = _with_acceleration(planner, rig, start, goal, moving, most)
+        if is_kept(found):
+            below, best = most, (found, trajectory)
         else:
             above = most
     return best
@@ -106,4 +117,4 @@ def _with_acceleration(planner, rig, start, goal, moving, most):
         rows[:, :, moving] = np.array([trajectory.at_time(t)[:3] for t in times]).swapaxes(0, 1)
         return rows
 
-    return motion.planned(rig, goal, states, trajectory.duration, planning)
+    return motion.planned(rig, goal, states, trajectory.duration, planning), trajectory

@@ -13,7 +13,7 @@ class Rig:
         platform, cables = file["platform"], file["cables"]
         self.path, self.home = path, np.array([*file["home"], 0, 0, 0])
         self.mass, self.inertia = platform["mass"], np.diag(platform["inertia"])
-        self.weight = self.mass * file["gravity"]
+        self.gravity, self.weight = file["gravity"], self.mass * file["gravity"]
         self.anchors = np.array([cable["anchor"] for cable in cables])
         self.arms = np.array([cable["attachment"] for cable in cables]) - platform.get("center_of_mass", [0, 0, 0])
         self.cables, self.least, self.greatest = len(cables), least, greatest

@@ -219,7 +219,12 @@ const PYTEST: &str = "target/python/bin/python";
 
 /// pytest in an environment of its own; the wheel is not optimised.
 fn python_tests(root: &Path) -> Result<Outcome> {
-    run(root, "env", &[&wheel_of_tests(false)?, PYTEST, "-m", "pytest", "--quiet", "fmpy-tests", "checker"])
+    let suites = ["fmpy-tests", "checker", "benches/peers"];
+    run(
+        root,
+        "env",
+        &[&[wheel_of_tests(false)?.as_str(), PYTEST, "-m", "pytest", "--quiet"][..], &suites].concat(),
+    )
 }
 
 /// Builds the wheel and the environment of the tests, and says where the wheel is as `env` takes it.
