@@ -17,14 +17,14 @@ use crate::command::rig::RigArgument;
 use crate::command::{Outcome, print, print_json, proof};
 
 /// What a proof file of this version cannot say.
-const NO_MARGINS: &str = "a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
+const NO_MARGINS: &str = "of more than six cables a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
 the accuracy of a rig file unless --accuracy 0 leaves it out";
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot certify --from 0,0,1 --to 0.1,0.05,0.9,0.05,0,0.1
          cable-robot certify --from 0,0,1 --to 0.1,0,1 --mass-error 0.005 --force 0.2 --sample-period 0.001
          cable-robot certify --rig rigs/eight.toml --from 0,0,2 --to 0.5,0.3,1.8,0,0.1,0.2
-         cable-robot certify --from 0,0,1 --to 0.1,0,1 --proof step.proof.json     (why it is so, to be checked: docs/proof.md)
+         cable-robot certify --from 0,0,1 --to 0.1,0,1 --force 0.2 --proof step.proof.json     (why it is so, to be checked: docs/proof.md)
 Exit code 3: not proved. The certificate never says \"admissible\" of a step that is not.";
 
 #[derive(Args)]
@@ -78,20 +78,20 @@ impl Certify {
         let gains = Gains { lambda: file.lambda, eta: file.eta };
         let step = Step { start: self.from, rates: self.rates, set_point: self.to, gains };
         let margins = self.margins(&file.rig);
-        let has_none = margins == Margins { law_margin: margins.law_margin, ..Margins::default() };
+        let is_of_six = file.rig.cables.len() == LEAST_CABLES;
         let decided = match &self.proof {
             None => certify_with_margins(&file.rig, &step, &margins)?,
             Some(path) => {
-                ensure!(has_none, "--proof: {NO_MARGINS}");
+                ensure!(is_of_six || margins.are_none(), "--proof: {NO_MARGINS}");
                 probe(path)?;
-                proof::write(path, &file.rig, &step)?
+                proof::write(path, &file.rig, &step, &margins)?
             }
         };
         let verdict = earliest(&file.rig, &step, decided);
         if self.json {
             self.show_json(&verdict)?
         } else {
-            self.show(&verdict, has_none && file.rig.cables.len() > LEAST_CABLES)?
+            self.show(&verdict, margins.are_none() && !is_of_six)?
         }
         Ok(if matches!(verdict, Verdict::Admissible { .. }) { Outcome::Done } else { Outcome::NotReachable })
     }

@@ -3,14 +3,15 @@
 mod show;
 mod through;
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, iter};
 
 use anyhow::{Context, Result, ensure};
+use cable_robot::plan::minimum_time::Course;
 use cable_robot::plan::sequence::Sequence;
-use cable_robot::plan::{ControllerParameters, PlannerKind};
-use cable_robot::reach::certificate::Step;
-use cable_robot::robot::{Coordinates, Pose};
+use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
+use cable_robot::reach::certificate::{Margins, Step};
+use cable_robot::robot::{Coordinates, Pose, Rig};
 use clap::{Args, ValueHint};
 
 use crate::command::arguments::{planner, pose};
@@ -20,6 +21,7 @@ use crate::command::{Outcome, print, print_json, proof};
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
          cable-robot plan --from 0,0,1 --through 0.1,0,1 --through 0.15,0.05,1 --to 0.15,0.15,1     (in minimum time, without a stop)
+         cable-robot plan --from 0,0,1 --to 0.15,0.15,1 --planner minimum-time --proof motion     (why it is so, to be checked: docs/proof.md)
          cable-robot plan --from 0,0,1 --to 0,0.4,1     (exit code 3: it says which cable forbids it, when, and how near one gets)";
 
 #[derive(Args)]
@@ -44,7 +46,7 @@ pub struct Plan {
     /// Greatest rate of a tension, N/s, 0 for no limit (planner minimum-time)
     #[arg(long, default_value_t = 0.0, value_name = "RATE")]
     max_tension_rate: f64,
-    /// Folder, new or empty, for what proves each step from rest at one set point to the next (planners bounded and exact)
+    /// Folder, new or empty, for what proves each step from rest at one set point to the next, or the motion of planner minimum-time
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     proof: Option<PathBuf>,
     /// Prints numbers for machines
@@ -63,19 +65,20 @@ impl Plan {
         let (_, mut parameters) = self.rig.read_with_controller(planner)?;
         (parameters.lift, parameters.max_tension_rate) = (self.lift, self.max_tension_rate);
         parameters.validate()?;
-        ensure!(
-            self.proof.is_none() || parameters.planner != PlannerKind::MinimumTime,
-            "--proof is for --planner bounded and exact: a proof file holds a step of the law, not a motion in minimum time"
-        );
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;
+        self.proof.as_deref().map_or(Ok(()), prepare)?;
         if !self.through.is_empty() {
             return through::run(self, &parameters);
         }
-        self.proof.as_deref().map_or(Ok(()), prepare)?;
         let planned = Sequence::new(&parameters, &self.from, &self.to)?;
         if let Some(folder) = &self.proof {
-            self.prove(folder, &planned, &parameters)?;
+            match parameters.planner {
+                PlannerKind::MinimumTime => {
+                    prove_motion(folder, &parameters.rig, self.courses(&planned, &parameters))?
+                }
+                PlannerKind::Bounded | PlannerKind::Exact => self.prove(folder, &planned, &parameters)?,
+            }
         }
         if self.json {
             print_json(&show::as_json(self, &planned, &parameters))?;
@@ -89,16 +92,35 @@ impl Plan {
         self.to.0.fixed_rows::<3>(3).amax() > 0.0
     }
 
+    /// The motions from rest at one set point to the next; `None` of a step too short for one.
+    fn courses(&self, planned: &Sequence, parameters: &ControllerParameters) -> Vec<Option<Course>> {
+        let planner = Planner::from(*parameters);
+        let starts = iter::once(&self.from).chain(&planned.set_points);
+        starts.zip(&planned.set_points).map(|(from, to)| planner.course_from_rest(from, to)).collect()
+    }
+
     /// Writes what proves each step into `folder`.
     fn prove(&self, folder: &Path, planned: &Sequence, parameters: &ControllerParameters) -> Result<()> {
         let mut start = self.from;
         for (i, set_point) in planned.set_points.iter().copied().enumerate() {
             let step = Step { start, rates: Coordinates::zeros(), set_point, gains: parameters.gains() };
-            proof::write(&folder.join(format!("step-{}.proof.json", i + 1)), &parameters.rig, &step)?;
+            proof::write(
+                &folder.join(format!("step-{}.proof.json", i + 1)),
+                &parameters.rig,
+                &step,
+                &Margins::default(),
+            )?;
             start = set_point;
         }
         Ok(())
     }
+}
+
+/// Writes what proves motions from rest to rest, one after the other, into `folder`; nothing of steps that are none.
+fn prove_motion(folder: &Path, rig: &Rig, courses: Vec<Option<Course>>) -> Result<()> {
+    let pieces = |course: Option<Course>| Some(course?.pieces()?.collect::<Vec<_>>());
+    let pieces: Option<Vec<_>> = courses.into_iter().map(pieces).collect();
+    proof::write_motion(&folder.join("motion.proof.json"), rig, &pieces.unwrap_or_default().concat())
 }
 
 /// Makes a folder for proofs. Those of another plan must not be among them.

@@ -8,8 +8,8 @@ use cable_robot::plan::through::{NoWay, Through};
 use cable_robot::robot::Pose;
 use serde_json::{Value, json};
 
-use super::Plan;
 use super::show::{described, pose, tension};
+use super::{Plan, prove_motion};
 use crate::command::rig::require_below;
 use crate::command::{Outcome, metres, print, print_json};
 
@@ -19,6 +19,9 @@ pub fn run(plan: &Plan, parameters: &ControllerParameters) -> Result<Outcome> {
     }
     let poses: Vec<Pose> = [plan.from].iter().chain(&plan.through).chain([&plan.to]).copied().collect();
     let found = Through::new(parameters, &poses);
+    if let (Ok(found), Some(folder)) = (&found, &plan.proof) {
+        prove_motion(folder, &parameters.rig, vec![Some(found.course.clone())])?;
+    }
     match (&found, plan.json) {
         (Err(NoWay::Poses), _) => return Err(NoWay::Poses.into()),
         (_, true) => print_json(&as_json(&poses, &found))?,

@@ -10,12 +10,28 @@ pub const VERSION: u32 = 1;
 pub const ADMISSIBLE: &str = "admissible";
 pub const NOT_ADMISSIBLE: &str = "not admissible";
 
-/// A proof for a step of a cable-robot, to be checked without that program: docs/proof.md. SI units, angles in rad.
+/// A proof for a step or a motion of a cable-robot, to be checked without that program: docs/proof.md. SI units, angles in rad.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 #[schemars(title = "cable-robot proof", extend("oneOf" = [
-    {"properties": {"verdict": {"const": "admissible"}, "instant": false}, "required": ["least", "greatest", "spans"]},
-    {"properties": {"verdict": {"const": "not admissible"}, "least": false, "greatest": false, "spans": false}, "required": ["instant"]}
+    {
+        "properties": {"verdict": {"const": "admissible"}, "problem": {"required": ["step"], "properties": {"margins": false}},
+            "instant": false, "tube": false, "jump": false},
+        "required": ["least", "greatest", "spans"]
+    },
+    {
+        "properties": {"verdict": {"const": "admissible"}, "problem": {"required": ["step", "margins"]}, "instant": false, "jump": false},
+        "required": ["least", "greatest", "spans", "tube"]
+    },
+    {
+        "properties": {"verdict": {"const": "admissible"}, "problem": {"required": ["motion"]}, "instant": false, "tube": false},
+        "required": ["least", "greatest", "spans", "jump"]
+    },
+    {
+        "properties": {"verdict": {"const": "not admissible"}, "problem": {"required": ["step"]},
+            "least": false, "greatest": false, "spans": false, "tube": false, "jump": false},
+        "required": ["instant"]
+    }
 ]))]
 pub struct Document {
     /// What kind of file this is.
@@ -41,22 +57,44 @@ pub struct Document {
     pub greatest: Option<Number>,
     /// Admissible: cover all time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Vec<SpanEntry>", length(min = 1))]
+    #[schemars(with = "Vec<SpanEntry>", length(min = 2))]
     pub spans: Option<Vec<SpanEntry>>,
+    /// Admissible, with margins: how far the robot may be from the closed form.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "TubeEntry")]
+    pub tube: Option<TubeEntry>,
+    /// Of a motion: by how much coordinates and rates jump at most where pieces join.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[Number; 2]")]
+    pub jump: Option<[Number; 2]>,
     /// Not admissible: when no tensions within the limits do it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "InstantEntry")]
     pub instant: Option<InstantEntry>,
 }
 
-/// A rig and a step.
+/// A rig, and a step or a motion.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    {"required": ["step"], "properties": {"motion": false}},
+    {"required": ["motion"], "properties": {"step": false, "margins": false}}
+]))]
 pub struct Problem {
     /// The robot.
     pub rig: RigEntry,
-    /// What it is to do.
-    pub step: StepEntry,
+    /// What it is to do: a step of the law,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "StepEntry")]
+    pub step: Option<StepEntry>,
+    /// by a robot that differs from the rig by no more than this;
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MarginsEntry")]
+    pub margins: Option<MarginsEntry>,
+    /// or a motion from rest to rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MotionEntry")]
+    pub motion: Option<MotionEntry>,
 }
 
 /// The robot.
@@ -121,12 +159,101 @@ pub struct StepEntry {
     pub eta: Number,
 }
 
+/// Bounds of what the controller does not know or cannot do.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct MarginsEntry {
+    /// Relative error of the mass and of each component of the inertia.
+    pub mass: Number,
+    /// Distance of the centre of mass from where the rig has it, m.
+    pub centre_of_mass: Number,
+    /// On the centre of mass, N.
+    pub force: Number,
+    /// About it, N m.
+    pub torque: Number,
+    /// Difference of what each cable pulls from what is commanded, N.
+    pub friction: Number,
+    /// Distance of anchors and attachments from where the rig has them, m.
+    pub accuracy: Number,
+    /// Longest time for which a command is held, s.
+    pub sample_period: Number,
+    /// Age of the state that it is computed from, s.
+    pub delay: Number,
+}
+
+/// Pieces, one after the other.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct MotionEntry {
+    /// From rest to rest.
+    #[schemars(length(min = 1))]
+    pub pieces: Vec<PieceEntry>,
+}
+
+/// A sum of motions along ways.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PieceEntry {
+    /// s.
+    pub duration: Number,
+    /// Added to the sum, m and rad.
+    pub offset: [Number; 6],
+    /// Summands.
+    #[schemars(length(min = 1, max = 4))]
+    pub parts: Vec<PartEntry>,
+}
+
+/// A motion along a way.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PartEntry {
+    /// Coefficients of the powers of s - `begin`; those left out are 0.
+    #[schemars(length(min = 1, max = 4))]
+    pub way: Vec<[Number; 6]>,
+    /// See `way`.
+    pub begin: Number,
+    /// Where the piece begins,
+    pub s: Number,
+    /// its derivative there, 1/s,
+    pub rate: Number,
+    /// and its second, 1/s².
+    pub acceleration: Number,
+    /// By how much that grows with s, 1/s²,
+    pub beta: Number,
+    /// or with time, 1/s³: one of the two is 0.
+    pub jerk: Number,
+}
+
+/// What bounds how far the robot may be from the closed form.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct TubeEntry {
+    /// Bounds of the accelerations that the model does not know, m/s² and rad/s².
+    pub disturbance: [Number; 6],
+    /// Of the sum of the tensions, N.
+    pub pull: Number,
+    /// Of the lengths of the cables' straight parts, m.
+    pub shortest: Number,
+    /// Of the distances of attachments from the axes of their pulleys, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub sideways: Option<Number>,
+    /// Of what the cables' torque changes by with the pose, N m per m and rad.
+    pub stiffness: [[Number; 6]; 3],
+}
+
 /// A span of time in which the tensions are within the limits.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SpanEntry {
-    /// s.
-    pub from: Number,
+    /// Of a motion: number of the piece, from 1, whose time `from` and `to` count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "usize", range(min = 1))]
+    pub piece: Option<usize>,
+    /// s; not of the last span of a motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub from: Option<Number>,
     /// s; not of the last span, which has no end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Number")]

@@ -3,7 +3,7 @@
 use cable_robot::control::response::instants;
 use cable_robot::control::{Gains, Response, static_margin, tensions};
 use cable_robot::reach::ExactDomain;
-use cable_robot::reach::certificate::{Step, Verdict, certify};
+use cable_robot::reach::certificate::{Margins, Step, Verdict, certify};
 use cable_robot::robot::{Coordinates, PerCable, Pose, Pulley, Rig, RigFile, RobotParameters, TensionLimits};
 use clap::ValueEnum;
 use nalgebra::{Matrix3, Vector3};
@@ -106,6 +106,24 @@ pub fn any_problem(rng: &mut Pcg64, case: u64) -> (Rig, Step) {
         }
     }
     (rig, step)
+}
+
+/// Margins, each there or not, of which some leave enough for a step of six cables and some do not.
+pub fn any_margins(rng: &mut Pcg64, rig: &Rig, step: &Step) -> Margins {
+    let size = log_uniform(rng, 1e-4, 1e-2);
+    let mut any = |of: f64| if rng.random_bool(0.5) { of * rng.random_range(0.0..size) } else { 0.0 };
+    let (weight, radius) = (rig.weight(), rig.platform_radius());
+    Margins {
+        mass: any(1.0),
+        centre_of_mass: any(0.01 * radius),
+        force: any(0.1 * weight),
+        torque: any(0.01 * weight * radius),
+        friction: any(0.01 * weight),
+        law_margin: 0.0,
+        accuracy: any(0.01 * radius),
+        sample_period: any(0.3 / step.fast_rate()),
+        delay: any(0.3 / step.fast_rate()),
+    }
 }
 
 /// The bundled rig of eight cables with every number changed, and any step from a moving start.

@@ -4,17 +4,18 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use cable_robot::reach::certificate::{Proof, certify, prove};
+use cable_robot::reach::certificate::{Margins, Proof, certify_with_margins, prove};
 use clap::Args;
 
-use super::cases::any_problem;
+use super::cases::{any_margins, any_problem};
 use super::random_of;
 use crate::command::proof::{document, laid_out};
 use crate::command::{Outcome, say};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study proofs --cases 1000 > proofs.jsonl
-Each line is a proof file (docs/proof.md). Half the problems are of six cables and half of eight, a quarter have pulleys. What it costs goes to stderr.";
+Each line is a proof file (docs/proof.md). Half the problems are of six cables and half of eight, a quarter have pulleys, and a quarter, of six cables, margins. What it costs
+goes to stderr.";
 
 /// Problems of one seed's random numbers.
 const BATCH: u64 = 1000;
@@ -40,22 +41,30 @@ struct Seen {
 
 impl Proofs {
     pub fn run(&self) -> Result<Outcome> {
-        let (mut admissible, mut refused, mut undecided) = (Seen::default(), Seen::default(), 0);
+        let (mut admissible, mut in_a_tube, mut refused) =
+            (Seen::default(), Seen::default(), Seen::default());
+        let mut undecided = 0;
         let mut out = std::io::stdout().lock();
         for batch in 0..self.cases.div_ceil(BATCH) {
             let mut rng = random_of(self.seed, batch);
             for case in 0..BATCH.min(self.cases - batch * BATCH) {
                 let (rig, step) = any_problem(&mut rng, case);
+                let margins =
+                    if case % 4 == 0 { any_margins(&mut rng, &rig, &step) } else { Margins::default() };
                 let begin = Instant::now();
-                certify(&rig, &step)?;
+                certify_with_margins(&rig, &step, &margins)?;
                 let found = Instant::now();
-                let (_, proof) = prove(&rig, &step)?;
+                let (_, proof) = prove(&rig, &step, &margins)?;
                 let Some(proof) = proof else {
                     undecided += 1;
                     continue;
                 };
-                let seen = if matches!(proof, Proof::Admissible(_)) { &mut admissible } else { &mut refused };
-                let document = document(&rig, &step, &proof)?;
+                let seen = match proof {
+                    Proof::Admissible { tube: None, .. } => &mut admissible,
+                    Proof::Admissible { tube: Some(_), .. } => &mut in_a_tube,
+                    Proof::NotAdmissible { .. } | Proof::NoDistribution { .. } => &mut refused,
+                };
+                let document = document(&rig, &step, &margins, &proof)?;
                 seen.bytes.push(laid_out(&document)?.len());
                 seen.proving.push(found.elapsed());
                 seen.finding.push(found - begin);
@@ -64,6 +73,7 @@ impl Proofs {
             }
         }
         say(format_args!("admissible: {}", admissible.in_words()));
+        say(format_args!("admissible with margins: {}", in_a_tube.in_words()));
         say(format_args!("not admissible: {}", refused.in_words()));
         say(format_args!("undecided, so without a proof: {undecided}"));
         Ok(Outcome::Done)

@@ -9,7 +9,7 @@ use super::path::Path;
 use super::smooth::{Gentle, Mean, Ramp};
 use super::sum;
 use crate::control::Reference;
-use crate::reach::certificate::along::MOST_PARTS;
+use crate::reach::certificate::along::{MOST_PARTS, Piece};
 use crate::reach::certificate::part::Part;
 use crate::reach::certificate::section::Section;
 use crate::robot::memory::are_finite;
@@ -150,6 +150,16 @@ impl Leg {
         arcs.take_while(|_| self.gentle.is_none()).chain(ramps.into_iter().flatten())
     }
 
+    /// Its arcs or ramps, one after the other.
+    fn pieces(&self) -> impl Iterator<Item = Piece> {
+        let arcs = self.timing.spans().map(|(arc, duration)| {
+            let part = arc.part(self.way.section(arc.s), 0.0);
+            Piece::new(part, duration)
+        });
+        let ramps = self.mean().zip(self.way.path()).map(|(mean, path)| mean.pieces(&path.way, 0.0));
+        arcs.take_while(|_| self.gentle.is_none()).chain(ramps.into_iter().flatten())
+    }
+
     /// When it passes where sections join, s.
     fn passes(&self) -> impl Iterator<Item = f64> {
         let arcs = self.way.joints().filter_map(|joint| {
@@ -230,6 +240,12 @@ impl Course {
     /// What holding the commands costs on it, N.
     pub fn held(&self) -> f64 {
         self.legs.iter().map(|leg| leg.held).fold(0.0, f64::max)
+    }
+
+    /// The pieces of a course from rest, one after the other; `None` of one that goes on from another.
+    pub fn pieces(&self) -> Option<impl Iterator<Item = Piece>> {
+        let [leg] = &self.legs[..] else { return None };
+        Some(leg.pieces().filter(|piece| piece.duration() > 0.0))
     }
 
     /// When it passes the way points of its last leg, s.

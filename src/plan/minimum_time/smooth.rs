@@ -174,10 +174,14 @@ impl<'a> Mean<'a> {
 
     /// Whether every tension is proved to stay within the limits from a time (s) on; what is seen of them is added.
     fn is_proved(&self, rig: &Rig, path: &Path, from: f64, spans: &mut usize, seen: &mut Seen) -> bool {
-        self.ramps(&path.way, from).all(|Ramp { begin, duration, along: [s, v, a], jerk }| {
-            let section = *path.way.section(self.place(begin + 0.5 * duration));
-            let part = Part { section, s, v, a, beta: 0.0, jerk };
-            Piece::new(part, duration).is_proved(rig, &path.limits, spans, seen)
+        self.pieces(&path.way, from).all(|piece| piece.is_proved(rig, &path.limits, spans, seen))
+    }
+
+    /// The pieces that end after `from` (s), along `way`.
+    pub fn pieces<'b>(self, way: &'b Track, from: f64) -> impl Iterator<Item = Piece> + use<'a, 'b> {
+        self.ramps(way, from).map(move |Ramp { begin, duration, along: [s, v, a], jerk }| {
+            let section = *way.section(self.place(begin + 0.5 * duration));
+            Piece::new(Part { section, s, v, a, beta: 0.0, jerk }, duration)
         })
     }
 

@@ -2,13 +2,13 @@
 
 use arrayvec::ArrayVec;
 
+use super::Range;
 use super::motion::{Motion, Span};
 use super::part::Part;
-use super::search::{Finding, judge};
-use super::statics::cables;
+use super::search::Finding;
+use super::shown::{Shown, look};
 use super::taylor::Taylor;
-use super::{Range, redundant};
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig, TensionLimits};
+use crate::robot::{Coordinates, PerCable, Pose, Rig, TensionLimits};
 
 /// Motions that are summed.
 pub const MOST_PARTS: usize = 4;
@@ -22,7 +22,7 @@ pub struct Piece {
     /// Added to their sum, m and rad.
     offset: Coordinates,
     /// s.
-    duration: f64,
+    pub(super) duration: f64,
 }
 
 /// What was seen of the tensions on proved pieces.
@@ -76,6 +76,21 @@ impl Seen {
 }
 
 impl Piece {
+    /// The parts.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// What is added to their sum, m and rad.
+    pub fn offset(&self) -> &Coordinates {
+        &self.offset
+    }
+
+    /// How long it takes, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
     /// One part alone.
     pub fn new(part: Part, duration: f64) -> Self {
         Self { parts: [part].into_iter().collect(), offset: Coordinates::zeros(), duration }
@@ -97,6 +112,19 @@ impl Piece {
         spans: &mut usize,
         seen: &mut Seen,
     ) -> bool {
+        self.is_covered(rig, limits, spans, |(from, to), shown| {
+            seen.include(shown.tension, 0.5 * (to - from))
+        })
+    }
+
+    /// The same. `inside` is shown what proves each span, from a time to another, s.
+    pub(super) fn is_covered(
+        &self,
+        rig: &Rig,
+        limits: &PerCable<TensionLimits>,
+        spans: &mut usize,
+        mut inside: impl FnMut((f64, f64), &Shown),
+    ) -> bool {
         let shortest = libm::scalbn(self.duration, -MOST_HALVINGS);
         let (mut time, mut width) = (0.0, self.duration);
         if !self.duration.is_finite() {
@@ -108,7 +136,10 @@ impl Piece {
             }
             *spans -= 1;
             let end = if time + width >= self.duration - shortest { self.duration } else { time + width };
-            if self.is_within(rig, limits, (time, end), seen) {
+            let motion = self.motion(0.5 * (time + end), 0.5 * (end - time));
+            let span = Span::Between(time, end);
+            if matches!(look(rig, limits, &motion, span, |shown| inside((time, end), shown)), Finding::Inside)
+            {
                 time = end;
             } else {
                 width *= 0.5;
@@ -117,33 +148,8 @@ impl Piece {
         true
     }
 
-    fn is_within(
-        &self,
-        rig: &Rig,
-        limits: &PerCable<TensionLimits>,
-        (from, to): (f64, f64),
-        seen: &mut Seen,
-    ) -> bool {
-        let half = 0.5 * (to - from);
-        let motion = self.motion(0.5 * (from + to), half);
-        let span = Span::Between(from, to);
-        if rig.cables.len() == LEAST_CABLES {
-            return cables(rig, &motion).is_some_and(|cables| {
-                let is_within = judge(&cables.tension, limits, span).is_none();
-                if is_within {
-                    seen.include(&cables.tension, half);
-                }
-                is_within
-            });
-        }
-        let found = redundant::look(rig, limits, &motion, (span, 1.0), |_, shared, _| {
-            seen.include(&shared.tension, half);
-        });
-        matches!(found, Finding::Inside)
-    }
-
     /// Within `half` s of an instant.
-    fn motion(&self, middle: f64, half: f64) -> Motion {
+    pub(super) fn motion(&self, middle: f64, half: f64) -> Motion {
         let nothing = [Taylor::ZERO; 6];
         let coordinates = std::array::from_fn(|k| Taylor::constant(self.offset[k]));
         let mut sum = Motion { coordinates, rates: nothing, accelerations: nothing };

@@ -65,6 +65,13 @@ pub struct Extent {
     pub stiffness: [[f64; 6]; 3],
 }
 
+impl Margins {
+    /// Whether the closed form is meant: what the law keeps from the limits is no error.
+    pub fn are_none(&self) -> bool {
+        *self == Self { law_margin: self.law_margin, ..Self::default() }
+    }
+}
+
 impl Extent {
     /// Of nothing yet.
     pub fn none() -> Self {
@@ -148,17 +155,18 @@ fn largest_angle(step: &Step, tube: &Tube, k: usize) -> f64 {
     (goal + least).abs().max((goal + greatest).abs()) + tube.coordinates[k]
 }
 
-/// The coordinates, rates and accelerations that reach the law, while the cables are within `extent`; `None` where no bound is found.
+/// A bound of the accelerations that the model does not know, and with it the coordinates, rates and accelerations that reach the law, while the cables are within
+/// `extent`; `None` where no bound is found.
 ///
 /// For a bound D of the accelerations that the model does not know, the motion stays in a tube about the closed form, and in this tube
 /// those accelerations are below G(D). A D with G(D) < D is what is looked for.
-pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent) -> Option<Tube> {
+pub fn tube(rig: &Rig, step: &Step, margins: &Margins, extent: &Extent) -> Option<(Coordinates, Tube)> {
     let mut bound = Coordinates::zeros();
     for _ in 0..MOST_BOUNDS {
         let around = Around::new(rig, step, margins, &bound);
         let disturbance = around.disturbance(extent)?;
         if disturbance.iter().zip(&bound).all(|(found, tried)| found < tried || *found == 0.0) {
-            return Some(around.sensed());
+            return Some((bound, around.sensed()));
         }
         bound = disturbance * GROWTH;
     }
@@ -314,6 +322,7 @@ fn angular(q: &Coordinates) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::proof::{Proof, prove};
     use super::*;
     use crate::control::{Gains, Response};
     use crate::robot::{Pulley, RobotParameters, TensionLimits};
@@ -357,10 +366,29 @@ mod tests {
         let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
         let margins = Margins { force: 0.6, ..Margins::default() };
         let extent = Extent { pull: 70.0, shortest: 0.9, sideways: f64::INFINITY, stiffness: [[20.0; 6]; 3] };
-        let tube = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
+        let (_, tube) = tube(&rig, &step(3.0, 3.0), &margins, &extent).unwrap();
         let expected = 0.6 / 6.0 / 9.0;
         assert!(tube.coordinates[2] >= expected && tube.coordinates[2] < 1.05 * expected, "{tube:?}");
         assert_eq!(tube.coordinates[4], 0.0);
+    }
+
+    #[test]
+    fn what_a_proof_says_of_the_disturbance_is_more_than_comes_about() {
+        let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        for margins in [
+            Margins { force: 0.1, ..Margins::default() },
+            Margins { mass: 0.005, friction: 1e-3, ..Margins::default() },
+            Margins { accuracy: 1e-5, sample_period: 1e-3, delay: 1e-3, ..Margins::default() },
+        ] {
+            let step = step(3.0, 4.0);
+            let (_, proof) = prove(&rig, &step, &margins).unwrap();
+            let Some(Proof::Admissible { tube: Some(proved), .. }) = proof else { panic!("{margins:?}") };
+            let around = Around::new(&rig, &step, &margins, &proved.disturbance);
+            let comes_about = around.disturbance(&proved.extent).unwrap();
+            for (found, said) in comes_about.iter().zip(&proved.disturbance) {
+                assert!(found < said || (*found == 0.0 && *said == 0.0), "{found} {said}");
+            }
+        }
     }
 
     #[test]

@@ -9,9 +9,11 @@ pub mod margins;
 pub mod motion;
 pub mod part;
 pub mod proof;
+pub mod proof_of_motion;
 pub mod redundant;
 pub mod search;
 pub mod section;
+mod shown;
 pub mod statics;
 pub mod taylor;
 pub mod timed;
@@ -21,13 +23,15 @@ use thiserror::Error;
 pub use margins::Margins;
 pub use motion::Step;
 pub use proof::{Proof, prove};
+pub use proof_of_motion::prove_motion;
 pub use timed::certify_motion;
 
 use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
 use motion::Span;
-use proof::Shown;
-use statics::Pulling;
+use proof::{ProvedTube, Record};
+use shown::look;
+use statics::{Cables, Pulling};
 use taylor::Taylor;
 
 /// What is known of a step.
@@ -130,7 +134,8 @@ pub fn certify_within(
     spans: &mut usize,
 ) -> Result<Verdict, CertificateError> {
     check(rig, limits, step)?;
-    Ok(closed_form(rig, limits, step, spans, |_, _| ()).map_or_else(|no| no, |range| range.admissible()))
+    let decided = closed_form(rig, limits, step, spans, &mut Record::default());
+    Ok(decided.map_or_else(|no| no, |range| range.admissible()))
 }
 
 /// The same of a robot that differs from the model by `margins`: of what is commanded and of what the cables pull. It must have been
@@ -144,40 +149,45 @@ pub fn certify_within(
 /// # Errors
 /// As [`certify`], and for margins that make no sense.
 pub fn certify_with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Verdict, CertificateError> {
-    check(rig, &rig.limits(), step)?;
-    check_margins(margins)?;
-    if *margins == (Margins { law_margin: margins.law_margin, ..Margins::default() }) {
-        return certify(rig, step);
-    }
-    Ok(with_margins(rig, step, margins).map_or_else(|no| no, |range| range.admissible()))
+    decide(rig, step, margins, &mut Record::default())
 }
 
-/// The bounds of the tensions, of more than six cables of some that keep the limits. `shown` is shown what proves each span and instant.
+/// What proves the verdict comes into `record`.
+fn decide(
+    rig: &Rig,
+    step: &Step,
+    margins: &Margins,
+    record: &mut Record,
+) -> Result<Verdict, CertificateError> {
+    check(rig, &rig.limits(), step)?;
+    check_margins(margins)?;
+    let decided = if margins.are_none() {
+        closed_form(rig, &rig.limits(), step, &mut { search::MOST_SPANS }, record)
+    } else {
+        with_margins(rig, step, margins, record)
+    };
+    Ok(decided.map_or_else(|no| no, |range| range.admissible()))
+}
+
+/// The bounds of the tensions, of more than six cables of some that keep the limits.
 fn closed_form(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
     step: &Step,
     spans: &mut usize,
-    mut shown: impl FnMut(Span, Shown),
+    record: &mut Record,
 ) -> Result<Range, Verdict> {
     let tube = Tube::empty();
     if let Some(cause) = margins::lost_angles(step, &tube) {
         return Err(undecided_at_large(cause));
     }
     let mut range = Range::none(rig);
-    if rig.cables.len() == LEAST_CABLES {
-        search::walk(rig, step, &tube, limits, spans, |span, cables| {
-            range.include(&cables.tension, 0.0);
-            shown(span, Shown { tension: &cables.tension, solved: &cables.solved, shared: None });
-        })?;
-    } else {
-        search::cover(step, spans, |span| {
-            redundant::look(rig, limits, &step.motion(span, &tube), (span, 1.0), |_, shared, _| {
-                range.include(&shared.tension, 0.0);
-                shown(span, Shown { tension: &shared.tension, solved: &shared.solved, shared: Some(shared) });
-            })
-        })?;
-    }
+    search::cover(step, spans, |span| {
+        look(rig, limits, &step.motion(span, &tube), span, |shown| {
+            range.include(shown.tension, 0.0);
+            record.add(span, shown);
+        })
+    })?;
     Ok(range)
 }
 
@@ -188,39 +198,42 @@ fn walk(
     limits: &PerCable<TensionLimits>,
     (step, tube): (&Step, &Tube),
     spans: &mut usize,
-    mut inside: impl FnMut(&Pulling, f64),
+    mut inside: impl FnMut(Span, &Pulling, f64),
 ) -> Result<(), Verdict> {
     if rig.cables.len() == LEAST_CABLES {
-        return search::walk(rig, step, tube, limits, spans, |_, cables| inside(&cables.pulling(), 0.0));
+        let inside = |span, cables: &Cables| inside(span, &cables.pulling(), 0.0);
+        return search::walk(rig, step, tube, limits, spans, inside);
     }
     search::cover(step, spans, |span| {
         redundant::look(rig, limits, &step.motion(span, tube), (span, SHARE), |system, shared, law| {
             let tensions = &shared.tension;
             let near = law.nearness(system, tensions);
-            inside(&system.pulling(tensions, near.distance), near.intrusion);
+            inside(span, &system.pulling(tensions, &shared.solved, near.distance), near.intrusion);
         })
     })
 }
 
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
-fn with_margins(rig: &Rig, step: &Step, margins: &Margins) -> Result<Range, Verdict> {
+fn with_margins(rig: &Rig, step: &Step, margins: &Margins, record: &mut Record) -> Result<Range, Verdict> {
     let is_one = rig.cables.len() == LEAST_CABLES;
     let (friction, law_margin) =
         (margins.friction, if is_one { margins.friction } else { margins.law_margin });
     let limits = rig.limits().map(|limits| limits.shrunk(law_margin));
     let spans = || search::MOST_SPANS;
-    closed_form(rig, &rig.limits(), step, &mut spans(), |_, _| ())?;
+    closed_form(rig, &rig.limits(), step, &mut spans(), record)?;
     let mut extent = Extent::none();
     let still = (step, &Tube::empty());
-    walk(rig, &limits, still, &mut spans(), |pulling, _| extent.include(rig, pulling))
+    walk(rig, &limits, still, &mut spans(), |_, pulling, _| extent.include(rig, pulling))
         .map_err(Verdict::of_a_tube)?;
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
-        let Some(tube) = margins::tube(rig, step, margins, &guess) else { break };
+        let Some((disturbance, tube)) = margins::tube(rig, step, margins, &guess) else { break };
+        record.begin_again(ProvedTube { disturbance, extent: guess });
         let (mut range, mut intruded) = (Range::none(rig), 0.0_f64);
         extent = Extent::none();
-        walk(rig, &limits, (step, &tube), &mut spans(), |pulling, intrusion| {
+        walk(rig, &limits, (step, &tube), &mut spans(), |span, pulling, intrusion| {
             extent.include(rig, pulling);
+            record.add_with_room(span, pulling, &limits, friction);
             range.include(pulling.tension, pulling.apart);
             intruded = intruded.max(intrusion);
         })

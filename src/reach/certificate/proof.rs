@@ -1,19 +1,27 @@
 //! Why a verdict is right: what a checker needs that trusts nobody (docs/proof.md).
 
-use super::margins::Tube;
+use super::margins::{Extent, Margins, Tube};
 use super::motion::{Span, Step};
-use super::redundant::{self, Shared};
-use super::search::MOST_SPANS;
-use super::statics::{Solved, cables};
+use super::redundant;
+use super::shown::Shown;
+use super::statics::{Pulling, Solved, cables};
 use super::taylor::Taylor;
-use super::{CertificateError, Verdict, check, closed_form};
-use crate::robot::{PerCable, Rig};
+use super::{CertificateError, Verdict, decide};
+use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Rig, TensionLimits};
+
+/// By which share of themselves claims about a tube are wider than what proves them here: other arithmetic encloses it in another way, and cuts do not make it narrower.
+const ROOM: f64 = 0.25;
 
 /// What proves a verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Proof {
-    /// Spans that cover all time, in their order; the last has no end.
-    Admissible(Vec<ProvedSpan>),
+    /// Of all motions in a tube where there are margins, else of the closed form.
+    Admissible {
+        /// Cover all time, in their order; the last has no end.
+        spans: Vec<ProvedSpan>,
+        /// Of a rig with margins.
+        tube: Option<ProvedTube>,
+    },
     /// Of six cables: one is at or beyond a limit.
     NotAdmissible {
         /// Number of the cable, from 1.
@@ -58,26 +66,77 @@ pub struct Spread {
     pub basis: PerCable<[f64; 6]>,
 }
 
-/// What shows that a span is proved.
-pub(super) struct Shown<'a> {
-    pub tension: &'a [Taylor],
-    pub solved: &'a Solved,
-    /// Of more than six cables.
-    pub shared: Option<&'a Shared>,
+/// What shows how far a robot that differs from the rig may be from the closed form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProvedTube {
+    /// Bounds of the accelerations that the model does not know: those that come about are smaller. m/s² and rad/s².
+    pub disturbance: Coordinates,
+    /// What the cables come to in the tube, at most.
+    pub extent: Extent,
 }
 
-/// As [`certify`](super::certify), with the proof where there is one; it allocates.
+/// What is shown on the way to a verdict, where a proof is wanted; by default none is, and nothing is allocated.
+#[derive(Default)]
+pub(super) struct Record {
+    spans: Option<Vec<ProvedSpan>>,
+    tube: Option<ProvedTube>,
+}
+
+impl Record {
+    fn wanted() -> Self {
+        Self { spans: Some(vec![]), tube: None }
+    }
+
+    pub fn add(&mut self, span: Span, shown: &Shown) {
+        if let Some(spans) = &mut self.spans {
+            spans.push(ProvedSpan::of(span, shown));
+        }
+    }
+
+    /// Of motions in a tube, six cables, commanded within `limits`; each pulls what it is commanded to within `friction` (N).
+    pub fn add_with_room(
+        &mut self,
+        span: Span,
+        pulling: &Pulling,
+        limits: &PerCable<TensionLimits>,
+        friction: f64,
+    ) {
+        if let Some(spans) = &mut self.spans {
+            let shown = Shown { tension: pulling.tension, solved: pulling.solved, shared: None };
+            spans.push(ProvedSpan::of(span, &shown).with_room(pulling.tension, limits).pulled(friction));
+        }
+    }
+
+    /// With a tube, of which nothing is shown yet.
+    pub fn begin_again(&mut self, tube: ProvedTube) {
+        if let Some(spans) = &mut self.spans {
+            spans.clear();
+            self.tube = Some(tube);
+        }
+    }
+
+    fn admissible(self) -> Option<Proof> {
+        Some(Proof::Admissible { spans: in_order(self.spans?), tube: self.tube })
+    }
+}
+
+/// As [`certify_with_margins`](super::certify_with_margins), with the proof where there is one; it allocates. There is none for "admissible" of more than six cables with
+/// margins.
 ///
 /// # Errors
-/// As [`certify`](super::certify).
-pub fn prove(rig: &Rig, step: &Step) -> Result<(Verdict, Option<Proof>), CertificateError> {
-    check(rig, &rig.limits(), step)?;
-    let mut spans = Vec::new();
-    let shown = |span, shown: Shown| spans.push(ProvedSpan::of(span, &shown));
-    let decided = closed_form(rig, &rig.limits(), step, &mut { MOST_SPANS }, shown);
-    let verdict = decided.map_or_else(|no| no, |range| range.admissible());
+/// As [`certify_with_margins`](super::certify_with_margins).
+pub fn prove(
+    rig: &Rig,
+    step: &Step,
+    margins: &Margins,
+) -> Result<(Verdict, Option<Proof>), CertificateError> {
+    let mut record = Record::wanted();
+    let verdict = decide(rig, step, margins, &mut record)?;
     let proof = match verdict {
-        Verdict::Admissible { .. } => Some(Proof::Admissible(in_order(spans))),
+        Verdict::Admissible { .. } => {
+            let is_told = margins.are_none() || rig.cables.len() == LEAST_CABLES;
+            if is_told { record.admissible() } else { None }
+        }
         Verdict::NotAdmissible { cable, time, .. } => beyond(rig, step, cable, time),
         Verdict::NoDistribution { time, shortfall, .. } => none_keeps(rig, step, time, shortfall),
         Verdict::Undecided { .. } => None,
@@ -86,10 +145,36 @@ pub fn prove(rig: &Rig, step: &Step) -> Result<(Verdict, Option<Proof>), Certifi
 }
 
 impl ProvedSpan {
-    fn of(span: Span, shown: &Shown) -> Self {
+    pub(super) fn of(span: Span, shown: &Shown) -> Self {
         let spread = shown.shared.map(|shared| Spread { base: shared.base, basis: shared.basis });
         let bounds = PerCable::from_fn(shown.tension.len(), |i| shown.tension[i].range());
         Self { span, spread, solved: *shown.solved, bounds }
+    }
+
+    /// Wider by [`ROOM`], or by less where that takes half of what is left to the limits.
+    fn with_room(mut self, tension: &[Taylor], limits: &PerCable<TensionLimits>) -> Self {
+        let allowed = |i: usize| {
+            let [least, greatest] = self.bounds[i];
+            0.25 * limits[i].margin(least).min(limits[i].margin(greatest)) / tension[i].error
+        };
+        let room = (0..tension.len()).map(allowed).fold(ROOM, f64::min);
+        for unknown in &mut self.solved.unknowns {
+            unknown.error *= 1.0 + room;
+        }
+        // What is added to the unknowns' errors, and as much again.
+        for ([least, greatest], tension) in self.bounds.iter_mut().zip(tension) {
+            let by = 2.0 * room * tension.error;
+            (*least, *greatest) = (*least - by, *greatest + by);
+        }
+        self
+    }
+
+    /// From what is commanded to what is pulled.
+    fn pulled(mut self, friction: f64) -> Self {
+        for [least, greatest] in self.bounds.iter_mut() {
+            (*least, *greatest) = ((*least - friction).next_down(), (*greatest + friction).next_up());
+        }
+        self
     }
 }
 
@@ -116,8 +201,9 @@ fn none_keeps(rig: &Rig, step: &Step, time: f64, shortfall: f64) -> Option<Proof
 
 #[cfg(test)]
 mod tests {
-    use super::super::certify;
+    use super::super::margins::tube;
     use super::super::statics::System;
+    use super::super::{certify, certify_with_margins};
     use super::*;
     use crate::control::Gains;
     use crate::robot::{Coordinates, Pose, RigFile};
@@ -144,6 +230,29 @@ mod tests {
         })
     }
 
+    /// Of six cables, each margin there or not, in the size of what the paper's rig bears.
+    fn random_problems_with_margins(count: usize) -> impl Iterator<Item = (Rig, Step, Margins)> {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(16);
+        random_problems(2 * count).step_by(2).map(move |(mut rig, step)| {
+            // A uniform disc: stiffer than Table I's.
+            rig.inertia = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(0.125, 0.125, 0.25));
+            let step = Step { set_point: Pose(step.start.0.lerp(&step.set_point.0, 0.4)), ..step };
+            let mut any = |size: f64| if rng.random_bool(0.4) { rng.random_range(0.0..size) } else { 0.0 };
+            let margins = Margins {
+                mass: any(0.01),
+                centre_of_mass: any(3e-5),
+                force: any(0.1),
+                torque: any(1e-3),
+                friction: any(1e-2),
+                law_margin: 0.0,
+                accuracy: any(3e-5),
+                sample_period: any(1e-3),
+                delay: any(1e-3),
+            };
+            (rig, step, margins)
+        })
+    }
+
     fn at(unknowns: &[Taylor; 6], tau: f64) -> [f64; 6] {
         unknowns.map(|unknown| unknown.coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c))
     }
@@ -152,10 +261,10 @@ mod tests {
     fn a_verdict_is_the_same_with_and_without_its_proof() {
         let (mut proved, mut refused) = (0, 0);
         for (rig, step) in random_problems(200) {
-            let (verdict, proof) = prove(&rig, &step).unwrap();
+            let (verdict, proof) = prove(&rig, &step, &Margins::default()).unwrap();
             assert_eq!(format!("{verdict:?}"), format!("{:?}", certify(&rig, &step).unwrap()));
             match proof {
-                Some(Proof::Admissible(_)) => proved += 1,
+                Some(Proof::Admissible { .. }) => proved += 1,
                 Some(_) => refused += 1,
                 None => assert!(matches!(verdict, Verdict::Undecided { .. })),
             }
@@ -164,9 +273,77 @@ mod tests {
     }
 
     #[test]
+    fn a_verdict_with_margins_is_the_same_with_and_without_its_proof() {
+        let mut counts = [0; 3];
+        for (rig, step, margins) in random_problems_with_margins(100) {
+            let (verdict, proof) = prove(&rig, &step, &margins).unwrap();
+            let without = certify_with_margins(&rig, &step, &margins).unwrap();
+            assert_eq!(format!("{verdict:?}"), format!("{without:?}"));
+            counts[match proof {
+                Some(Proof::Admissible { tube, .. }) => {
+                    assert_eq!(tube.is_some(), !margins.are_none());
+                    0
+                }
+                Some(_) => 1,
+                None => 2,
+            }] += 1;
+        }
+        assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
+    }
+
+    /// Of motions anywhere in the tube, with what friction takes and adds.
+    #[test]
+    fn a_proof_with_margins_speaks_of_all_motions_in_the_tube() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(17);
+        let (mut seen, mut nearest) = (0, f64::INFINITY);
+        for (rig, step, margins) in random_problems_with_margins(60) {
+            let Some(Proof::Admissible { spans, tube: Some(proved) }) =
+                prove(&rig, &step, &margins).unwrap().1
+            else {
+                continue;
+            };
+            let (bound, tube) = tube(&rig, &step, &margins, &proved.extent).unwrap();
+            assert_eq!(bound, proved.disturbance);
+            for proved in spans {
+                for (bounds, cable) in proved.bounds.iter().zip(&rig.cables) {
+                    assert!(cable.limits.min < bounds[0] && bounds[1] < cable.limits.max);
+                }
+                for tau in [-1.0, -0.2, 0.6, 1.0] {
+                    let time = proved.span.time(tau);
+                    let mut motion = step.motion(Span::Between(time, time), &Tube::empty());
+                    for (values, radii) in [
+                        (&mut motion.coordinates, &tube.coordinates),
+                        (&mut motion.rates, &tube.rates),
+                        (&mut motion.accelerations, &tube.accelerations),
+                    ] {
+                        for (value, radius) in values.iter_mut().zip(radii.iter()) {
+                            // At an end of the tube.
+                            value.coefficients[0] += if rng.random_bool(0.5) { *radius } else { -radius };
+                        }
+                    }
+                    let there = cables(&rig, &motion).unwrap();
+                    let near = at(&proved.solved.unknowns, tau);
+                    for i in 0..6 {
+                        let u = there.tension[i].coefficients[0];
+                        let [least, greatest] = proved.bounds[i];
+                        nearest = nearest.min((u - least).min(greatest - u) - margins.friction);
+                        let off = (there.solved.unknowns[i].coefficients[0] - near[i]).abs();
+                        assert!(off <= proved.solved.unknowns[i].error, "{off} of cable {i} at {time}");
+                    }
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 200 && nearest > 0.0, "{seen}, {nearest} N");
+    }
+
+    #[test]
     fn spans_of_a_proof_cover_all_time_within_the_limits() {
-        for (rig, step) in random_problems(100) {
-            let Some(Proof::Admissible(spans)) = prove(&rig, &step).unwrap().1 else { continue };
+        let plain = random_problems(100).map(|(rig, step)| (rig, step, Margins::default()));
+        for (rig, step, margins) in plain.chain(random_problems_with_margins(50)) {
+            let Some(Proof::Admissible { spans, .. }) = prove(&rig, &step, &margins).unwrap().1 else {
+                continue;
+            };
             let (last, others) = spans.split_last().unwrap();
             let mut covered = 0.0;
             for proved in others {
@@ -191,7 +368,10 @@ mod tests {
     #[test]
     fn unknowns_of_a_proof_solve_the_equations_at_all_instants() {
         for (rig, step) in random_problems(60) {
-            let Some(Proof::Admissible(spans)) = prove(&rig, &step).unwrap().1 else { continue };
+            let Some(Proof::Admissible { spans, .. }) = prove(&rig, &step, &Margins::default()).unwrap().1
+            else {
+                continue;
+            };
             for proved in spans {
                 for tau in [-1.0, -0.4, 0.0, 0.7, 1.0] {
                     let time = proved.span.time(tau);
@@ -225,7 +405,7 @@ mod tests {
     fn refusals_are_proved_of_the_instant_that_is_named() {
         let (mut of_cable, mut of_all) = (0, 0);
         for (rig, step) in random_problems(100) {
-            match prove(&rig, &step).unwrap() {
+            match prove(&rig, &step, &Margins::default()).unwrap() {
                 (
                     Verdict::NotAdmissible { cable, .. },
                     Some(Proof::NotAdmissible { bounds: [least, greatest], .. }),
@@ -252,7 +432,7 @@ mod tests {
                     assert!(shortfall > 0.0 && (gap / sum - shortfall).abs() < 1e-6 * (1.0 + shortfall));
                     of_all += 1;
                 }
-                (Verdict::Admissible { .. }, Some(Proof::Admissible(_)))
+                (Verdict::Admissible { .. }, Some(Proof::Admissible { .. }))
                 | (Verdict::Undecided { .. }, None) => {}
                 other => panic!("{other:?}"),
             }

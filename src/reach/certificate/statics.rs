@@ -33,7 +33,9 @@ struct Placed {
 pub struct Pulling<'a> {
     /// Tensions, N,
     pub tension: &'a [Taylor],
-    /// which may all together be as far from these, N.
+    /// and what they were found with.
+    pub solved: &'a Solved,
+    /// How far from these they may be, all together, N.
     pub apart: f64,
     /// Lengths of the straight parts, m.
     pub length: &'a [Taylor],
@@ -45,8 +47,8 @@ pub struct Pulling<'a> {
 impl Cables {
     /// As they pull.
     pub fn pulling(&self) -> Pulling<'_> {
-        let Self { tension, length, along, placed, .. } = self;
-        Pulling { tension, apart: 0.0, length, along: PerCable::from_fn(SIX, |i| along[i]), placed }
+        let Self { tension, solved, length, along, placed } = self;
+        Pulling { tension, solved, apart: 0.0, length, along: PerCable::from_fn(SIX, |i| along[i]), placed }
     }
 }
 
@@ -98,9 +100,9 @@ impl System {
     }
 
     /// The cables as they pull with tensions that are no farther `apart` from these, N.
-    pub fn pulling<'a>(&'a self, tension: &'a [Taylor], apart: f64) -> Pulling<'a> {
+    pub fn pulling<'a>(&'a self, tension: &'a [Taylor], solved: &'a Solved, apart: f64) -> Pulling<'a> {
         let along = self.columns.map(|column| [column[0], column[1], column[2]]);
-        Pulling { tension, apart, length: &self.length, along, placed: &self.placed }
+        Pulling { tension, solved, apart, length: &self.length, along, placed: &self.placed }
     }
 }
 

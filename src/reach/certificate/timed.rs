@@ -2,11 +2,11 @@
 
 use super::along::Seen;
 use super::motion::{Motion, Span};
-use super::search::{Finding, judge, refusal};
-use super::statics::cables;
+use super::search::{Finding, refusal};
+use super::shown;
 use super::taylor::Taylor;
-use super::{Cause, Verdict, redundant};
-use crate::robot::{LEAST_CABLES, PerCable, Rig, TensionLimits};
+use super::{Cause, Verdict};
+use crate::robot::{PerCable, Rig, TensionLimits};
 
 /// Halvings of the whole before a span counts as not to be told.
 const MOST_HALVINGS: i32 = 30;
@@ -67,19 +67,8 @@ fn look(
     (from, to): (f64, f64),
     inside: impl FnOnce(&[Taylor], f64),
 ) -> Finding {
-    let (middle, span) = (0.5 * (from + to), Span::Between(from, to));
+    let middle = 0.5 * (from + to);
     let half = (to - middle).max(middle - from);
-    let motion = motion(middle, half);
-    if rig.cables.len() > LEAST_CABLES {
-        return redundant::look(rig, limits, &motion, (span, 1.0), |_, shared, _| {
-            inside(&shared.tension, half);
-        });
-    }
-    let Some(cables) = cables(rig, &motion) else {
-        return Finding::Untold(Cause::Singular);
-    };
-    judge(&cables.tension, limits, span).unwrap_or_else(|| {
-        inside(&cables.tension, half);
-        Finding::Inside
-    })
+    let span = Span::Between(from, to);
+    shown::look(rig, limits, &motion(middle, half), span, |shown| inside(shown.tension, half))
 }

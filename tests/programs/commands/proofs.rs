@@ -58,17 +58,35 @@ fn of_an_undecided_step_no_proof_is_written() {
 }
 
 #[test]
+fn a_proof_with_margins_says_which_and_how_far_the_robot_may_be_off() {
+    let folder = tempfile::tempdir().unwrap();
+    for (to, code) in [("0.06,0.03,1", 0), ("0.3,0,1", 3), ("0.2,0,1", 3)] {
+        let margins = ["--mass-error", "0.005", "--force", "0.1", "--sample-period", "0.001"];
+        let plain = [&FROM[..], &["--to", to], &margins].concat();
+        let (_, without, _) = run(folder.path(), &plain);
+        let (ended, with, said) = run(folder.path(), &[&plain[..], &["--proof", "x.json"]].concat());
+        assert_eq!((ended, with), (Some(code), without.clone()), "{said}");
+        if without.starts_with("undecided") {
+            continue;
+        }
+        let proof = read(&folder.path().join("x.json"));
+        assert_eq!(proof["problem"]["margins"]["force"], "0x1.999999999999ap-4");
+        assert_eq!(proof["tube"].is_object(), code == 0);
+        assert_eq!(proof["instant"].is_object(), code == 3);
+    }
+}
+
+#[test]
 fn what_a_proof_file_does_not_hold_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
+    let rig = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/eight.toml");
     for margin in ["--mass-error", "--force", "--delay", "--accuracy"] {
-        let arguments = [&FROM[..], &["--to", "0.1,0,1", "--proof", "x.json", margin, "0.001"]].concat();
+        let step = ["certify", "--rig", rig, "--from", "0,0,2", "--to", "0.1,0,2"];
+        let arguments = [&step[..], &["--proof", "x.json", margin, "0.001"]].concat();
         let (code, out, err) = run(folder.path(), &arguments);
         assert_eq!((code, out.as_str()), (Some(1), ""), "{margin}");
         assert!(err.contains("a proof file holds the closed form") && err.contains("--accuracy 0"), "{err}");
     }
-    let plan = ["plan", "--from", "0,0,1", "--to", "0.1,0,1", "--planner", "minimum-time", "--proof", "x"];
-    let (code, _, err) = run(folder.path(), &plan);
-    assert!(code == Some(1) && err.contains("not a motion in minimum time"), "{err}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -92,16 +110,43 @@ fn a_plan_is_proved_step_by_step() {
 }
 
 #[test]
+fn a_motion_in_minimum_time_is_proved_as_a_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = ["plan", "--from", "0,0,1", "--to", "0.15,0.15,1"];
+    for (k, more) in [
+        &["--planner", "minimum-time"][..],
+        &["--planner", "minimum-time", "--lift", "0.1"],
+        &["--planner", "minimum-time", "--max-tension-rate", "300"],
+        &["--through", "0.08,0.05,0.98"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (name, plain) = (k.to_string(), [&plan[..], more].concat());
+        let with = [&plain[..], &["--proof", &name]].concat();
+        let (code, out, err) = run(folder.path(), &with);
+        assert_eq!((code, &out), (Some(0), &run(folder.path(), &plain).1), "{err}");
+        let proof = read(&folder.path().join(&name).join("motion.proof.json"));
+        let pieces = proof["problem"]["motion"]["pieces"].as_array().unwrap();
+        let spans = proof["spans"].as_array().unwrap();
+        assert_eq!(proof["verdict"], "admissible");
+        assert_eq!(spans[spans.len() - 2]["piece"], pieces.len());
+        assert!(spans[spans.len() - 1]["piece"].is_null() && spans[spans.len() - 1]["from"].is_null());
+    }
+}
+
+#[test]
 fn random_proofs_have_both_verdicts_and_are_small() {
     let folder = tempfile::tempdir().unwrap();
     let (code, out, err) = run(folder.path(), &["study", "proofs", "--cases", "60"]);
     assert_eq!(code, Some(0), "{err}");
-    let mut counts = [0; 4];
+    let (mut counts, mut tubes) = ([0; 4], 0);
     for line in out.lines() {
         assert!(line.len() < 200_000);
         let proof: Value = serde_json::from_str(line).unwrap();
         let is_six = proof["problem"]["rig"]["cables"].as_array().unwrap().len() == 6;
         counts[2 * usize::from(is_six) + usize::from(proof["verdict"] == "admissible")] += 1;
+        tubes += usize::from(proof["tube"].is_object());
     }
-    assert!(counts.iter().all(|count| *count > 3), "{counts:?}\n{err}");
+    assert!(counts.iter().all(|count| *count > 3) && tubes > 0, "{counts:?} {tubes}\n{err}");
 }
