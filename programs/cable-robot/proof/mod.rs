@@ -301,7 +301,7 @@ mod tests {
             let coordinates = |from: usize| Coordinates::from_fn(|k, _| numbers[from + k]);
             let [first, second] = [7, 37].map(|from| {
                 let coefficients = [0, 6, 12, 18].map(|k| coordinates(from + k));
-                let [begin, s, v, a, beta, jerk] = coordinates(from + 24).into();
+                let [begin, s, v, a, beta, jerk]: [f64; 6] = coordinates(from + 24).into();
                 Part { section: Section { begin, coefficients }, s, v, a, beta, jerk }
             });
             let piece = Piece::new(first, numbers[0]).and(second, &Pose(coordinates(1))).unwrap();
