@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::Cause;
 use super::motion::Step;
@@ -229,6 +229,19 @@ impl<'a> Around<'a> {
         }
     }
 
+    /// Angular accelerations that the model does not know, x of them but for the error of each component of the inertia, where it knows of others up to `commanded`:
+    /// y = x + δ M (y + commanded) with M = |I⁻¹| |I|. `None` where that error may be all of the inertia.
+    fn answer_of_inertia(&self, x: &Vector3<f64>, commanded: f64) -> Option<Vector3<f64>> {
+        let inertia = &self.rig.inertia;
+        let errors = inertia.try_inverse()?.abs() * inertia.abs() * self.margins.mass;
+        if errors.row_iter().any(|row| row.sum() >= MOST_OF_INERTIA) {
+            return None;
+        }
+        (Matrix3::identity() - errors)
+            .try_inverse()
+            .map(|known| known * (x + errors * Vector3::repeat(commanded)))
+    }
+
     /// The accelerations of the coordinates that the model does not know; `None` beyond the range of the estimates.
     fn disturbance(&self, extent: &Extent) -> Option<Coordinates> {
         let Self { rig, margins, age, .. } = *self;
@@ -271,11 +284,12 @@ impl<'a> Around<'a> {
         let largest = rig.inertia.norm();
         let inverse = rig.inertia.try_inverse()?.abs();
         let gyroscopic = largest * spin * (2.0 * age * alpha + margins.mass * spin);
-        let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque;
+        // The disturbance that is known does not turn with the platform, of which the law has an old pose.
+        let turned_away = age * spin * rig.disturbance.fixed_rows::<3>(3).norm();
+        let outer = gyroscopic + margins.centre_of_mass * pull + margins.torque + turned_away;
         let kinematic = angular(&late) + age * spin * (3.0 * angular(&self.actual) + spin * spin);
-        let believed = kinematic + margins.mass * (angular(&self.commanded) + spin * spin);
-        let answer = inverse * torque.add_scalar(outer);
-        let body = Vector3::from_fn(|k, _| known * (believed + answer[k]));
+        let answer = (inverse * torque.add_scalar(outer)).add_scalar(kinematic);
+        let body = self.answer_of_inertia(&answer, angular(&self.commanded) + spin * spin)?;
         // From angular accelerations about the platform's axes to those of the angles.
         let across = roll * body.y + body.z;
         let angles = [body.x + libm::tan(pitch) * across, body.y + roll * body.z, across / libm::cos(pitch)];
@@ -283,6 +297,9 @@ impl<'a> Around<'a> {
         Some(Coordinates::new(x, y, z, angles[0], angles[1], angles[2]) * UPWARDS)
     }
 }
+
+/// What δ times the inertia's errors may come to at most, of 1.
+const MOST_OF_INERTIA: f64 = 0.999;
 
 /// What ends that are off do to cables over pulleys; docs/certificate.md, "Pulleys".
 struct Wheels {
@@ -326,7 +343,6 @@ mod tests {
     use super::*;
     use crate::control::{Gains, Response};
     use crate::robot::{Pulley, RobotParameters, TensionLimits};
-    use nalgebra::Matrix3;
     use rand::{RngExt, SeedableRng};
 
     fn step(lambda: f64, eta: f64) -> Step {
@@ -378,7 +394,7 @@ mod tests {
         for margins in [
             Margins { force: 0.1, ..Margins::default() },
             Margins { mass: 0.005, friction: 1e-3, ..Margins::default() },
-            Margins { accuracy: 1e-5, sample_period: 1e-3, delay: 1e-3, ..Margins::default() },
+            Margins { accuracy: 1e-6, sample_period: 2e-4, delay: 2e-4, ..Margins::default() },
         ] {
             let step = step(3.0, 4.0);
             let (_, proof) = prove(&rig, &step, &margins).unwrap();
@@ -389,6 +405,36 @@ mod tests {
                 assert!(found < said || (*found == 0.0 && *said == 0.0), "{found} {said}");
             }
         }
+    }
+
+    /// Of products of inertia each error counts, and the torque that answers the others'.
+    #[test]
+    fn a_skew_inertia_that_is_off_disturbs_no_more_than_is_said() {
+        let mut rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
+        rig.inertia = Matrix3::new(0.125, 0.1, 0.0, 0.1, 0.125, 0.0, 0.0, 0.0, 0.25);
+        let margins = Margins { mass: 0.02, torque: 1e-3, ..Margins::default() };
+        let step =
+            Step { set_point: Pose(Coordinates::new(0.05, 0.0, 1.0, 0.05, -0.05, 0.05)), ..step(3.0, 3.0) };
+        let extent = Extent { pull: 70.0, shortest: 0.9, sideways: f64::INFINITY, stiffness: [[20.0; 6]; 3] };
+        let around = Around::new(&rig, &step, &margins, &Coordinates::repeat(1e-3));
+        let said = around.disturbance(&extent).unwrap().fixed_rows::<3>(3).into_owned();
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(9);
+        let mut most = 0.0f64;
+        for _ in 0..2000 {
+            let mut sign = || if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+            let meant = Vector3::from_fn(|k, _| sign() * around.commanded[3 + k]);
+            let torque = Vector3::from_fn(|_, _| sign()).normalize() * margins.torque;
+            let mut truth = rig.inertia;
+            for (k, j) in [(0, 0), (1, 1), (2, 2), (0, 1)] {
+                let off = rig.inertia[(k, j)] * (1.0 + sign() * margins.mass);
+                (truth[(k, j)], truth[(j, k)]) = (off, off);
+            }
+            let happens = truth.try_inverse().unwrap() * (rig.inertia * meant + torque);
+            let off = (happens - meant).abs().component_div(&said).max();
+            assert!(off <= 1.0, "{off} of what is said");
+            most = most.max(off);
+        }
+        assert!(most > 0.2, "{most}");
     }
 
     #[test]

@@ -215,37 +215,59 @@ fn walk(
 
 /// The tube depends on what the cables come to in it: that is guessed, and the guess shown right or made larger.
 fn with_margins(rig: &Rig, step: &Step, margins: &Margins, record: &mut Record) -> Result<Range, Verdict> {
-    let is_one = rig.cables.len() == LEAST_CABLES;
-    let (friction, law_margin) =
-        (margins.friction, if is_one { margins.friction } else { margins.law_margin });
-    let limits = rig.limits().map(|limits| limits.shrunk(law_margin));
-    let spans = || search::MOST_SPANS;
-    closed_form(rig, &rig.limits(), step, &mut spans(), record)?;
+    let limits = limits_of_law(rig, margins);
+    closed_form(rig, &rig.limits(), step, &mut { search::MOST_SPANS }, record)?;
     let mut extent = Extent::none();
     let still = (step, &Tube::empty());
-    walk(rig, &limits, still, &mut spans(), |_, pulling, _| extent.include(rig, pulling))
+    walk(rig, &limits, still, &mut { search::MOST_SPANS }, |_, pulling, _| extent.include(rig, pulling))
         .map_err(Verdict::of_a_tube)?;
     for _ in 0..MOST_GUESSES {
         let guess = extent.enlarged();
-        let Some((disturbance, tube)) = margins::tube(rig, step, margins, &guess) else { break };
-        record.begin_again(ProvedTube { disturbance, extent: guess });
-        let (mut range, mut intruded) = (Range::none(rig), 0.0_f64);
-        extent = Extent::none();
-        walk(rig, &limits, (step, &tube), &mut spans(), |span, pulling, intrusion| {
-            extent.include(rig, pulling);
-            record.add_with_room(span, pulling, &limits, friction);
-            range.include(pulling.tension, pulling.apart);
-            intruded = intruded.max(intrusion);
-        })
-        .map_err(Verdict::of_a_tube)?;
-        if !is_one && law_margin < friction + intruded {
-            break;
-        }
+        let Some((found, range)) = in_a_tube(rig, step, margins, &guess, record)? else { break };
+        extent = found;
         if extent.is_within(&guess) {
-            return Ok(range.within(&limits, intruded).widened(friction));
+            record.replace_where(|roomier| {
+                let guess = extent.enlarged();
+                let shown = in_a_tube(rig, step, margins, &guess, roomier);
+                matches!(shown, Ok(Some((found, _))) if found.is_within(&guess))
+            });
+            return Ok(range);
         }
     }
     Err(undecided_at_large(Cause::TooClose))
+}
+
+/// What the cables come to in the tube of a guess at that, and the tensions, all within the limits. `None` where there is no tube, or the law intrudes too far on its
+/// margin.
+fn in_a_tube(
+    rig: &Rig,
+    step: &Step,
+    margins: &Margins,
+    guess: &Extent,
+    record: &mut Record,
+) -> Result<Option<(Extent, Range)>, Verdict> {
+    let (limits, friction) = (limits_of_law(rig, margins), margins.friction);
+    let Some((disturbance, tube)) = margins::tube(rig, step, margins, guess) else { return Ok(None) };
+    record.begin_again(ProvedTube { disturbance, extent: *guess });
+    let (mut extent, mut range, mut intruded) = (Extent::none(), Range::none(rig), 0.0_f64);
+    walk(rig, &limits, (step, &tube), &mut { search::MOST_SPANS }, |span, pulling, intrusion| {
+        extent.include(rig, pulling);
+        record.add_with_room(span, pulling, &limits, friction);
+        range.include(pulling.tension, pulling.apart);
+        intruded = intruded.max(intrusion);
+    })
+    .map_err(Verdict::of_a_tube)?;
+    if rig.cables.len() > LEAST_CABLES && margins.law_margin < friction + intruded {
+        return Ok(None);
+    }
+    Ok(Some((extent, range.within(&limits, intruded).widened(friction))))
+}
+
+/// With what the law keeps from them, and of six cables what friction takes and adds.
+fn limits_of_law(rig: &Rig, margins: &Margins) -> PerCable<TensionLimits> {
+    let is_one = rig.cables.len() == LEAST_CABLES;
+    let kept = if is_one { margins.friction } else { margins.law_margin };
+    rig.limits().map(|limits| limits.shrunk(kept))
 }
 
 /// How far inside the limits, of how far they can be, tensions of more than six cables are shown: the nearer they are to the law's, the less is lost, and the

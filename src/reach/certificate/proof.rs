@@ -115,6 +115,14 @@ impl Record {
         }
     }
 
+    /// By another in which all is shown anew, where a proof is wanted and it is shown: of a larger guess, which leaves room for other arithmetic.
+    pub fn replace_where(&mut self, is_shown: impl FnOnce(&mut Self) -> bool) {
+        let mut other = Self::wanted();
+        if self.spans.is_some() && is_shown(&mut other) {
+            *self = other;
+        }
+    }
+
     fn admissible(self) -> Option<Proof> {
         Some(Proof::Admissible { spans: in_order(self.spans?), tube: self.tube })
     }
