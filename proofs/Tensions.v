@@ -1,61 +1,79 @@
 (** (E1) of docs/exact.md: the tensions of a platform that is moved without turning, from Newton's and Euler's equations. *)
 
 Require Import Reals Lra.
-From CableRobot Require Import Geometry.
+From CableRobot Require Import Geometry WrenchMatrix Facet Inverse.
 Open Scope R_scope.
 
 Section Robot.
-  (** Half the sides of the triangles (m), mass (kg), gravity (m/s^2). *)
   Variables a b m g : R.
   Hypotheses (Ha : 0 < a) (Hb : 0 < b) (Hm : 0 < m).
 
-  (** Force and torque about the centre of force densities q_i = u_i/l_i, the platform at P. *)
-  Definition force (P : vec) (q : cable -> R) : vec := resultant (fun i => scale (q i) (along a b P i)).
-  Definition torque (P : vec) (q : cable -> R) : vec :=
-    resultant (fun i => cross (attachment b i) (scale (q i) (along a b P i))).
+  Lemma density_times_length P u i : z_of P <> 0 -> density a b P u i * length a b P i = u i.
+  Proof. intros Hz. unfold density. field. pose proof (length_positive a b P i Hz). lra. Qed.
 
-  Definition density (P : vec) (u : cable -> R) (i : cable) : R := u i / length a b P i.
-
-  (** The wrench matrix W at P takes tensions to force and torque; it is regular if each wrench has exactly one solution. *)
-  Definition wrench (P : vec) (u : cable -> R) : vec * vec := (force P (density P u), torque P (density P u)).
-  Definition wrench_matrix_regular (P : vec) : Prop :=
-    forall F T, exists u, wrench P u = (F, T) /\ forall u', wrench P u' = (F, T) -> forall i, u' i = u i.
-
-  (** Newton's and Euler's equations without rotation: W u is m (P'' - g z) and no torque. *)
-  Definition balanced (P P'' : vec) (u : cable -> R) : Prop :=
-    wrench P u = (scale m (minus P'' (scale g down)), zero).
-
-  (** G_i = (g - z'')(a/2 - n_i . P) - z n_i . P''; n_i is horizontal. *)
-  Definition facet (i : cable) (P P'' : vec) : R :=
-    (g - z_of P'') * (a / 2 - dot (normal i) P) - z_of P * dot (normal i) P''.
-
-  (** * The inverse of the wrench matrix *)
-
-  Definition sign (i : cable) : R := match i with c1 | c3 | c5 => 1 | _ => -1 end.
-  Definition lever_x (i : cable) : R :=
-    match i with c1 | c4 => a + b | c2 | c3 => a - 2 * b | c5 | c6 => b - 2 * a end.
-  Definition lever_y (i : cable) : R :=
-    match i with c1 => b - a | c2 => - a | c3 => a | c4 => a - b | c5 => - b | c6 => b end.
-
-  (** 6 a b z times the density of cable i that, with the others', gives force F and torque T. *)
-  Definition cofactor (P F T : vec) (i : cable) : R :=
-    - 2 * b * (z_of P * dot (normal i) (Vec (x_of F) (y_of F) 0) + (a / 2 - dot (normal i) P) * z_of F)
-    + sign i * ((sqrt 3 * x_of P / 2 + lever_x i) * x_of T
-                + sqrt 3 * (y_of P / 2 + lever_y i) * y_of T + sqrt 3 * z_of P / 2 * z_of T).
-
-  Lemma densities_of_wrench P q i : 6 * a * b * z_of P * q i = cofactor P (force P q) (torque P q) i.
+  Lemma tensions_of_wrench P u F T i : z_of P <> 0 -> wrench a b P u = (F, T) ->
+    u i = cofactor a b P F T i / (6 * a * b * z_of P) * length a b P i.
   Proof.
-    pose proof sqrt_3_squared as Hs.
-    unfold cofactor, force, torque, resultant, total, cross, scale, along, minus, dot, sign, lever_x, lever_y.
-    rewrite !anchor_is, !attachment_is. destruct i; simpl; field [Hs].
+    intros Hz H. injection H as HF HT. rewrite <- (density_times_length P u i Hz). f_equal.
+    rewrite <- HF, <- HT, <- densities_of_wrench. field. repeat split; lra.
   Qed.
 
-  Lemma wrench_of_densities P F T q : z_of P <> 0 ->
-    (forall i, q i = cofactor P F T i / (6 * a * b * z_of P)) -> force P q = F /\ torque P q = T.
+  Lemma wrench_of_tensions P u F T : z_of P <> 0 ->
+    (forall i, u i = cofactor a b P F T i / (6 * a * b * z_of P) * length a b P i) -> wrench a b P u = (F, T).
   Proof.
-    intros Hz Hq. pose proof sqrt_3_squared as Hs. destruct F as [Fx Fy Fz], T as [Tx Ty Tz], P as [x y z].
-    unfold force, torque, resultant, total, cross, scale, along, minus. rewrite !Hq.
-    unfold cofactor, dot, sign, lever_x, lever_y. rewrite !anchor_is, !attachment_is. simpl in *.
-    split; f_equal; field [Hs]; repeat split; lra.
+    intros Hz H. unfold wrench.
+    destruct (wrench_of_densities a b Ha Hb P F T (density a b P u) Hz) as [-> ->]; [|reflexivity].
+    intros i. unfold density. rewrite H. field. pose proof (length_positive a b P i Hz). repeat split; lra.
   Qed.
+
+  (** The wrench matrix is regular unless the platform is in the plane of the base, where no tensions lift it. *)
+  Theorem regular_off_the_base P : wrench_matrix_regular a b P <-> z_of P <> 0.
+  Proof.
+    split.
+    - intros Hregular Hz. destruct (Hregular down zero) as [u [Hu _]]. injection Hu as HF _.
+      apply (f_equal z_of) in HF. revert HF.
+      assert (Hflat : forall i, z_of (along a b P i) = 0).
+      { intros i. unfold along, minus. rewrite anchor_is, attachment_is. destruct i; simpl; rewrite Hz; ring. }
+      unfold force, resultant, total, scale. simpl. rewrite !Hflat. lra.
+    - intros Hz F T. exists (fun i => cofactor a b P F T i / (6 * a * b * z_of P) * length a b P i). split.
+      + apply wrench_of_tensions; auto.
+      + intros u' Hu' i. apply tensions_of_wrench; assumption.
+  Qed.
+
+  Lemma cofactor_of_motion P P'' i :
+    cofactor a b P (scale m (minus P'' (scale g down))) zero i = 2 * b * m * facet a g i P P''.
+  Proof.
+    unfold cofactor, facet, dot, scale, minus, down, zero. destruct i; simpl; field.
+  Qed.
+
+  (** (E1): the tensions that move the platform are these and no others. *)
+  Theorem E1 P P'' u : z_of P <> 0 ->
+    (balanced a b m g P P'' u <-> forall i, u i = m * length a b P i * facet a g i P P'' / (3 * a * z_of P)).
+  Proof.
+    intros Hz.
+    assert (Hform : forall i, cofactor a b P (scale m (minus P'' (scale g down))) zero i / (6 * a * b * z_of P)
+                              * length a b P i = m * length a b P i * facet a g i P P'' / (3 * a * z_of P)).
+    { intros i. rewrite cofactor_of_motion. field. repeat split; lra. }
+    split.
+    - intros H i. rewrite <- Hform. apply tensions_of_wrench; assumption.
+    - intros H. apply wrench_of_tensions; [assumption|]. intros i. rewrite Hform. apply H.
+  Qed.
+
+  (** Below the base u_i has the sign of G_i. *)
+  Corollary taut_when_facet_positive P P'' u i : 0 < z_of P -> balanced a b m g P P'' u ->
+    (0 < u i <-> 0 < facet a g i P P'').
+  Proof.
+    intros Hz H. rewrite (proj1 (E1 P P'' u ltac:(lra)) H i). pose proof (length_positive a b P i ltac:(lra)) as Hl.
+    set (G := facet a g i P P'') in *. set (l := length a b P i) in *.
+    replace (m * l * G / (3 * a * z_of P)) with (m * l / (3 * a * z_of P) * G) by (field; lra).
+    assert (Hc : 0 < m * l / (3 * a * z_of P)).
+    { apply Rdiv_lt_0_compat; repeat apply Rmult_lt_0_compat; lra. }
+    split; intros HG.
+    - apply (Rmult_lt_reg_l _ _ _ Hc). lra.
+    - apply Rmult_lt_0_compat; assumption.
+  Qed.
+
+  (** The sum of the six G_i is 3 a (g - z''). *)
+  Lemma sum_of_facets P P'' : total (fun i => facet a g i P P'') = 3 * a * (g - z_of P'').
+  Proof. unfold total, facet, dot. simpl. field. Qed.
 End Robot.
