@@ -130,8 +130,8 @@ Section Loop.
     apply (is_derive_plus (fun s => A + B * f l e s + C * phi l e s) (fun s => D * exp (- (S l e * s)))).
     - apply (is_derive_plus (fun s => A + B * f l e s) (fun s => C * phi l e s)).
       + apply (is_derive_plus (fun _ => A) (fun s => B * f l e s)); [apply @is_derive_const|].
-        apply is_derive_scal, slope_of_f.
-      + apply is_derive_scal, slope_of_phi.
+        apply is_derive_scal, slope_of_f. assumption.
+      + apply is_derive_scal, slope_of_phi. assumption.
     - apply is_derive_scal. auto_derive; trivial. ring.
   Qed.
 
@@ -184,7 +184,7 @@ Section Loop.
 
   (** which is minus the derivative of the Wronskian (Abel). *)
   Lemma last_bracket t : f'' l e t * phi l e t - f l e t * phi'' l e t = S l e * exp (- (S l e * t)).
-  Proof. rewrite <- (wronskian l e t). unfold f'', phi'', phi', f', S, w2. ring. Qed.
+  Proof. rewrite <- (wronskian l e He t). unfold f'', phi'', phi', f', S, w2. ring. Qed.
 
   Theorem E3 i t : facet a g i (position P0 v0 xd t) (push P0 v0 xd t) = curve (a_ i) (b_ i) (c_ i) (d_ i) t.
   Proof.

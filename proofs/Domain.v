@@ -69,7 +69,7 @@ Section Domain.
     { specialize (Hlate (Rmax T t + 1)). fold z in Hlate. pose proof (Rmax_l T t).
       specialize (Hlate ltac:(lra)). apply Rabs_le_between in Hlate. lra. }
     destruct (IVT z t (Rmax T t + 1)) as [s [Hs Hzero]]; try assumption.
-    - intros s. apply curve_continuous.
+    - intros s. apply curve_continuous. assumption.
     - pose proof (Rmax_r T t). lra.
     - apply (Hnever s); [lra|]. rewrite Hz. assumption.
   Qed.

@@ -20,7 +20,7 @@ Section OneStep.
     destruct Hone as [[r [Hr Hleast]]|<-]; [|lra]. rewrite Hcurve in Hleast.
     destruct Hr as [Hr|<-]; [|rewrite (proj2 (at_0 l e)) in Hleast; rewrite <- Hleast in Hlargest; lra].
     assert (Hslope : phi' l e r = 0).
-    { pose (derivable := exist _ (phi' l e r) (proj1 (is_derive_Reals _ _ _) (slope_of_phi l e r))
+    { pose (derivable := exist _ (phi' l e r) (proj1 (is_derive_Reals _ _ _) (slope_of_phi l e He r))
                          : derivable_pt (phi l e) r).
       change (derive_pt (phi l e) r derivable = 0). apply (deriv_maximum (phi l e) 0 (r + 1)); [lra|lra|].
       intros s Hs _. pose proof (Hall s ltac:(lra)) as H. rewrite Hcurve in H. lra. }
@@ -38,8 +38,8 @@ Section OneStep.
     { unfold k, w2. apply Rdiv_lt_0_compat; [repeat apply Rmult_lt_0_compat|]; assumption. }
     assert (Hpsi : psi z t = f l e t - k * phi' l e t).
     { unfold psi, k, f'', phi'. field. lra. }
-    pose proof (f_positive l e Hl He t Ht). pose proof (f_at_most_1 l e Hl He t Ht).
-    pose proof (phi_not_negative l e Hl He t Ht). pose proof (S_phi_at_most_1 t Ht).
+    pose proof (f_positive l e Hl t Ht). pose proof (f_at_most_1 l e Hl He t Ht).
+    pose proof (phi_not_negative l e t Ht). pose proof (S_phi_at_most_1 t Ht).
     assert (0 <= S l e * phi l e t) by (apply Rmult_le_pos; [unfold S; lra|assumption]).
     rewrite Hpsi. unfold phi'. set (sphi := S l e * phi l e t) in *. set (ft := f l e t) in *.
     split; [nra|]. destruct (Rle_dec 0 (ft - sphi)); nra.
