@@ -8,6 +8,15 @@ Section Robot.
   Variables a b : R.
   Hypotheses (Ha : 0 < a) (Hb : 0 < b).
 
+  (** The cofactors give densities from force and torque: they are linear in both. *)
+  Lemma densities_of_wrench P q i : 6 * a * b * z_of P * q i = cofactor a b P (force a b P q) (torque a b P q) i.
+  Proof.
+    transitivity (total (fun j => q j * cofactor a b P (along a b P j) (cross (attachment b j) (along a b P j)) i)).
+    - unfold total. rewrite !cofactor_of_column. destruct i; simpl; ring.
+    - unfold cofactor, force, torque, resultant, total. generalize (along a b P). generalize (attachment b).
+      generalize (normal i). intros n at_ v. unfold cross, scale, dot. cbn [x_of y_of z_of]. unfold Rdiv. ring.
+  Qed.
+
   (** The numbers of force and torque, and the matrix of the columns (A_i - P - b_i, b_i x (A_i - P - b_i)). *)
   Definition entry (F T : vec) (k : nat) : R :=
     match k with

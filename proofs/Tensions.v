@@ -30,11 +30,11 @@ Section Robot.
   Theorem regular_off_the_base P : wrench_matrix_regular a b P <-> z_of P <> 0.
   Proof.
     split.
-    - intros Hregular Hz. destruct (Hregular down zero) as [u [Hu _]]. injection Hu as HF _.
-      apply (f_equal z_of) in HF. revert HF.
+    - intros Hregular Hz. destruct (Hregular down zero) as [u [Hu _]].
       assert (Hflat : forall i, z_of (along a b P i) = 0).
       { intros i. unfold along, minus. rewrite anchor_is, attachment_is. destruct i; simpl; rewrite Hz; ring. }
-      unfold force, resultant, total, scale. simpl. rewrite !Hflat. lra.
+      apply (f_equal (fun w => z_of (fst w))) in Hu. unfold wrench, force, resultant, total, scale, down in Hu.
+      cbn [fst z_of] in Hu. rewrite !Hflat in Hu. lra.
     - intros Hz F T. exists (fun i => cofactor a b P F T i / (6 * a * b * z_of P) * length a b P i). split.
       + apply wrench_of_tensions; auto.
       + intros u' Hu' i. apply tensions_of_wrench; assumption.

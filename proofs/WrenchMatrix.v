@@ -52,12 +52,4 @@ Section Robot.
     rewrite anchor_is, attachment_is.
     destruct i, j; simpl; generalize dependent (sqrt 3); intros s Hs; field [Hs].
   Qed.
-
-  Lemma densities_of_wrench P q i : 6 * a * b * z_of P * q i = cofactor P (force P q) (torque P q) i.
-  Proof.
-    transitivity (total (fun j => q j * cofactor P (along a b P j) (cross (attachment b j) (along a b P j)) i)).
-    - unfold total. rewrite !cofactor_of_column. destruct i; simpl; ring.
-    - unfold cofactor, force, torque, resultant, total, cross, scale, dot. simpl. field.
-  Qed.
-
 End Robot.
