@@ -135,7 +135,7 @@ class Judge:
 
     def _guess(self, found):
         """What the checker's `unknowns` makes of an approximate inverse and solution: the series of y with V y = w, in doubles."""
-        vectors, _, w = found
+        vectors, _, w, *_ = found
         columns = [v + cross(cable.attachment, v) for v, cable in zip(vectors, self.problem.cables)]
         terms = range(ctx.cap)
         matrices = [arb_mat([[column[row][k].mid() for column in columns] for row in range(6)]) for k in terms]
@@ -174,7 +174,7 @@ class Judge:
 
 def _functions(found, s):
     """Of `equations` and the guessed s (N/m) what a segment is judged by: v, l, w and all v s, l s."""
-    vectors, lengths, w = found
+    vectors, lengths, w, *_ = found
     return vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], [a * b for a, b in zip(lengths, s)]
 
 
