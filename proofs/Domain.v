@@ -40,7 +40,7 @@ Section Domain.
       [assumption|symmetry in H0; contradiction|exfalso].
     destruct H as [_ [u [Hu Hpositive]]].
     assert (HG : forall i, facet a g i P zero < 0).
-    { intros i. pose proof (Hpositive i) as Hi. rewrite (proj1 (E1 a b m g Ha Hb Hm P zero u Hz) Hu i) in Hi.
+    { intros i. pose proof (Hpositive i) as Hi. rewrite (proj1 (E1 a b m g Ha Hb P zero u Hz) Hu i) in Hi.
       set (G := facet a g i P zero) in *. pose proof (length_positive a b P i Hz) as Hlength.
       set (s := length a b P i) in *.
       replace (m * s * G / (3 * a * z_of P)) with (m * s / (3 * a * - z_of P) * - G) in Hi by (field; lra).
