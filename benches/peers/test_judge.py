@@ -1,6 +1,6 @@
 """Tests of the judge: motions whose least tension is known in closed form, a step judged by dense samples of another model, and what hides between samples.
 
-At the middle of Table I's rig, level and not turned, all six cables pull alike, u = m (g - z'') l/(6 z) with l = √(z² + 0.27): cables, 0.52 m from the middle, lead to attachments 0.29 m from it.
+At the middle of Table I's rig, level and not turned, all six cables pull alike, u = m (g - z'') l/(6 z) where all are equally long, l.
 """
 
 import math
@@ -22,10 +22,13 @@ def paper():
     return {"mass": 6.0, "inertia": inertia, "gravity": [0.0, 0.0, 9.81], "disturbance": [0.0] * 6, "cables": cables}
 
 
+ANCHOR, ATTACHMENT = (paper()["cables"][0][end] for end in ("anchor", "attachment"))
+ACROSS = math.hypot(ANCHOR[0] - ATTACHMENT[0], ANCHOR[1] - ATTACHMENT[1])
+
+
 def pull(z, acceleration):
     """Of each cable in the middle."""
-    anchor, attachment = (paper()["cables"][0][end] for end in ("anchor", "attachment"))
-    return 6.0 * (9.81 - acceleration) * math.hypot(anchor[0] - attachment[0], anchor[1] - attachment[1], z) / (6 * z)
+    return 6.0 * (9.81 - acceleration) * math.hypot(ACROSS, z) / (6 * z)
 
 
 def piece(duration, way, s=0.0, rate=1.0, acceleration=0.0, beta=0.0, jerk=0.0):
@@ -46,7 +49,7 @@ def close(margin, expected):
 def test_least_tensions_that_are_known_in_closed_form_are_enclosed():
     """Of a cubic of time: z'' = 2 c2 + 6 c3 t."""
     _, below, above = judged(piece(0.5, [1.0, 0.1, -1.0, 4.0]))
-    times = [0.5 * k / 20000 for k in range(20001)]
+    times = [0.5 * k / 2000 for k in range(2001)]
     pulls = [pull(1 + 0.1 * t - t**2 + 4 * t**3, -2 + 24 * t) for t in times]
     pulls.append(pull(1 + 0.05 - 0.25 + 0.5, 0.0))  # the rest after it
     assert close(below, min(pulls) - LEAST) and close(above, GREATEST - max(pulls))
@@ -70,7 +73,7 @@ def test_a_breach_of_a_microsecond_between_two_samples_is_found():
     still = [1.0, 0.0]
     fall = piece(1e-6, [1.0, 0.0, 9.6 / 2])
     _, below, _ = judged(piece(0.10037, still), fall, piece(0.2, still))
-    assert below.upper < 0 and (below.piece, below.cable) != (0, 0)
+    assert below.upper < 0 and below.piece == 1
     assert close(below, pull(1.0, 9.6) - LEAST)
 
 
