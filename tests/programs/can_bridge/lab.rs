@@ -35,6 +35,7 @@ pub fn rig_text() -> String {
         ("enable = 0.5", "enable = 2.0"),
         ("ramp = 2.0", "ramp = 0.5"),
         ("lost_cycles = 4", "lost_cycles = 30"),
+        ("cable_speed = 2.0", "cable_speed = 20.0"),
         ("disagreement_time = 0.1", "disagreement_time = 0.5"),
     ] {
         assert!(text.contains(from), "{from}");
@@ -69,7 +70,9 @@ impl Lab {
     }
 
     /// A rig that may be another than the bridge believes.
-    pub fn start_as(truth: Config) -> Self {
+    pub fn start_as(mut truth: Config) -> Self {
+        // The hand is slow: where the machine stalls the bridge for a second no encoder seems to have jumped.
+        truth.limits.cable_speed = 2.0;
         let imperfections = PlantParameters {
             friction: 0.2,
             motor_lag: 2e-3,
