@@ -3,7 +3,7 @@
     python checker/campaign.py PROGRAM CASES SEED [PER_SEED]
 
 PROGRAM is `cable-robot`. Of each problem (`study proofs`: six and eight cables, both verdicts, a quarter with pulleys; with margins where it writes such) the proof must be accepted with the
-verdict that it states, and each kind of bent proof that its verdict has must be refused with the condition that names the fault. PER_SEED problems
+verdict that it states, and the same proof bent in one of the ways that its verdict has must be refused with the condition that names the fault. PER_SEED problems
 (1000) are drawn from each of SEED, SEED + 1, ...: a run that was stopped goes on from the seed that it printed last. Exit code 1 if the checker is wrong
 about any.
 """
@@ -156,15 +156,17 @@ def bendings(proof):
     return OF_SIX if "cable" in proof["instant"] else OF_MORE
 
 
-def wrong_about(line, draw):
-    """What the checker says wrongly of a proof and of its bent versions, and how many it saw."""
+def wrong_about(line, draw, ways=None):
+    """What the checker says wrongly of a proof and of so many bent versions of it (of all), and how many it saw."""
     proof, wrong = json.loads(line), []
     try:
         if check(line).verdict != proof["verdict"]:
             wrong.append("another verdict")
     except Refused as refused:
         return [f"honest, refused: {refused}"], 0
-    for bend, conditions in bendings(proof):
+    chosen = bendings(proof)
+    chosen = chosen if ways is None else draw.sample(chosen, ways)
+    for bend, conditions in chosen:
         other = json.loads(line)
         bend(other, draw)
         try:
@@ -173,10 +175,10 @@ def wrong_about(line, draw):
         except Refused as refused:
             if refused.condition not in conditions:
                 wrong.append(f"{bend.__name__}: refused for another reason: {refused}")
-    return wrong, len(bendings(proof))
+    return wrong, len(chosen)
 
 
-def main(program, cases, seed, per_seed=1000):
+def main(program, cases, seed, per_seed=1000, ways=1):
     honest, bad, wrong, spent = 0, 0, 0, []
     begun = time.monotonic()
     while honest < cases:
@@ -185,7 +187,7 @@ def main(program, cases, seed, per_seed=1000):
         draw = random.Random(seed)
         for line in lines:
             before = time.process_time()
-            said, count = wrong_about(line, draw)
+            said, count = wrong_about(line, draw, ways)
             spent.append((time.process_time() - before) / (count + 1))
             for text in said:
                 print(f"seed {seed}: {text}")
