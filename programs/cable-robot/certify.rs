@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use cable_robot::control::Gains;
 use cable_robot::plan::extremes::{TensionAt, extremes_from};
 use cable_robot::plan::{ControllerParameters, Planner};
@@ -17,9 +17,6 @@ use crate::command::rig::RigArgument;
 use crate::command::{Outcome, print, print_json, proof};
 
 /// What a proof file of this version cannot say.
-const NO_MARGINS: &str = "of more than six cables a proof file holds the closed form, without errors, disturbances, friction, sample period and delay, and without \
-the accuracy of a rig file unless --accuracy 0 leaves it out";
-
 pub const EXAMPLE: &str = "\
 Example: cable-robot certify --from 0,0,1 --to 0.1,0.05,0.9,0.05,0,0.1
          cable-robot certify --from 0,0,1 --to 0.1,0,1 --mass-error 0.005 --force 0.2 --sample-period 0.001
@@ -82,7 +79,6 @@ impl Certify {
         let decided = match &self.proof {
             None => certify_with_margins(&file.rig, &step, &margins)?,
             Some(path) => {
-                ensure!(is_of_six || margins.are_none(), "--proof: {NO_MARGINS}");
                 probe(path)?;
                 proof::write(path, &file.rig, &step, &margins)?
             }

@@ -179,6 +179,10 @@ pub struct MarginsEntry {
     pub sample_period: Number,
     /// Age of the state that it is computed from, s.
     pub delay: Number,
+    /// More than six cables: what the law keeps from the limits, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub law_margin: Option<Number>,
 }
 
 /// Pieces, one after the other.
@@ -240,6 +244,10 @@ pub struct TubeEntry {
     pub sideways: Option<Number>,
     /// Of what the cables' torque changes by with the pose, N m per m and rad.
     pub stiffness: [[Number; 6]; 3],
+    /// More than six cables: by how much the law may intrude on its margin, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub intrusion: Option<Number>,
 }
 
 /// A span of time in which the tensions are within the limits.
@@ -266,6 +274,14 @@ pub struct SpanEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<[Number; 6]>")]
     pub basis: Option<Vec<[Number; 6]>>,
+    /// More than six cables with margins: z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[Number; 6]")]
+    pub multipliers: Option<[Number; 6]>,
+    /// More than six cables with margins: how far the law's tensions are from those of the unknowns, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Number")]
+    pub distance: Option<Number>,
     /// C.
     pub inverse: [[Number; 6]; 6],
     /// Coefficients of a polynomial for each unknown.

@@ -7,7 +7,7 @@ use cable_robot::reach::certificate::proof::{ProvedSpan, ProvedTube};
 use cable_robot::reach::certificate::statics::Solved;
 use cable_robot::reach::certificate::taylor::Taylor;
 use cable_robot::reach::certificate::{Margins, Step};
-use cable_robot::robot::{Cable, Coordinates, Rig};
+use cable_robot::robot::{Cable, Coordinates, LEAST_CABLES, Rig};
 
 use super::document::{
     CableEntry, MarginsEntry, MotionEntry, PartEntry, PieceEntry, Polynomial, PulleyEntry, RigEntry,
@@ -47,19 +47,10 @@ pub fn step(step: &Step) -> StepEntry {
     }
 }
 
-/// What the law keeps from the limits is not of six cables.
-pub fn margins(margins: &Margins) -> MarginsEntry {
-    let Margins {
-        mass,
-        centre_of_mass,
-        force,
-        torque,
-        friction,
-        law_margin: _,
-        accuracy,
-        sample_period,
-        delay,
-    } = *margins;
+/// What the law keeps from the limits is of more than six `cables`.
+pub fn margins(margins: &Margins, cables: usize) -> MarginsEntry {
+    let Margins { mass, centre_of_mass, force, torque, friction, law_margin, accuracy, sample_period, delay } =
+        *margins;
     MarginsEntry {
         mass: Number(mass),
         centre_of_mass: Number(centre_of_mass),
@@ -69,10 +60,11 @@ pub fn margins(margins: &Margins) -> MarginsEntry {
         accuracy: Number(accuracy),
         sample_period: Number(sample_period),
         delay: Number(delay),
+        law_margin: (cables > LEAST_CABLES).then_some(Number(law_margin)),
     }
 }
 
-pub fn tube(ProvedTube { disturbance, extent }: &ProvedTube) -> TubeEntry {
+pub fn tube(ProvedTube { disturbance, extent, intrusion }: &ProvedTube) -> TubeEntry {
     let sideways = Some(extent.sideways).filter(|sideways| sideways.is_finite());
     TubeEntry {
         disturbance: numbers(*disturbance),
@@ -80,6 +72,7 @@ pub fn tube(ProvedTube { disturbance, extent }: &ProvedTube) -> TubeEntry {
         shortest: Number(extent.shortest),
         sideways: sideways.map(Number),
         stiffness: extent.stiffness.map(numbers),
+        intrusion: intrusion.map(Number),
     }
 }
 
@@ -122,6 +115,8 @@ pub fn span(proved: &ProvedSpan) -> SpanEntry {
         to: to.map(Number),
         base: spread.map(|spread| spread.base.iter().copied().map(Number).collect()),
         basis: spread.map(|spread| spread.basis.iter().map(|row| row.map(Number)).collect()),
+        multipliers: proved.law.map(|law| law.multipliers.map(Number)),
+        distance: proved.law.map(|law| Number(law.distance)),
         inverse: inverse(&proved.solved),
         solution: proved.solved.unknowns.map(|unknown| polynomial(&unknown)),
         error: error(&proved.solved),

@@ -112,7 +112,7 @@ fn problem(rig: &Rig, step: &Step, margins: &Margins) -> Problem {
     Problem {
         rig: entries::rig(rig),
         step: Some(entries::step(step)),
-        margins: (!margins.are_none()).then(|| entries::margins(margins)),
+        margins: (!margins.are_none()).then(|| entries::margins(margins, rig.cables.len())),
         motion: None,
     }
 }
@@ -200,12 +200,14 @@ mod tests {
         document_of_motion(rig, &pieces, &prove_motion(rig, &pieces).unwrap()).unwrap()
     }
 
-    /// The examples of docs/proof.md, bit for bit: of six and eight cables, admissible and not; with margins; of a motion.
+    /// The examples of docs/proof.md, bit for bit: of six and eight cables, admissible and not, and with margins; of a motion.
     #[test]
     fn proofs_that_are_checked_in_are_written_again() {
         let (six, eight) = (RigFile::default().rig, RigFile::parse(EIGHT).unwrap().rig);
         let none = Margins::default();
         let some = Margins { mass: 0.005, force: 0.1, sample_period: 0.001, ..none };
+        let law_margin = Planner::from(ControllerParameters::of(&eight)).allowance();
+        let of_law = Margins { force: 1.0, friction: 0.01, law_margin, ..none };
         let moved = step([0.0, 0.0, 1.0], [0.1, 0.05, 0.9, 0.05, 0.0, 0.1]);
         for (document, there) in [
             (of_step(&six, &moved, &none), include_str!("../../../docs/proofs/six-admissible.json")),
@@ -220,6 +222,10 @@ mod tests {
             (
                 of_step(&eight, &step([0.0, 0.0, 2.0], [0.5, 0.3, 1.8, 0.0, 0.1, 0.2]), &none),
                 include_str!("../../../docs/proofs/eight-admissible.json"),
+            ),
+            (
+                of_step(&eight, &step([0.0, 0.0, 2.0], [0.3, 0.2, 1.9, 0.0, 0.05, 0.1]), &of_law),
+                include_str!("../../../docs/proofs/eight-margins.json"),
             ),
             (
                 of_step(&eight, &step([0.0, 0.0, 2.0], [1.8, 1.4, 1.0, 0.0, 0.0, 0.0]), &none),
@@ -264,11 +270,14 @@ mod tests {
             see(&rig, &step, &margins);
         }
         see(&rig, &step, &Margins::default());
+        let eight = RigFile::parse(EIGHT).unwrap().rig;
+        see(&eight, &step, &margins);
+        see(&eight, &step, &Margins { law_margin: 1.0, ..margins });
         rig.cables[1].pulley = None;
         see(&rig, &step, &margins);
         rig.cables.swap(2, 3);
         see(&rig, &step, &margins);
-        assert_eq!(count, 1 + 19 + 6 * 8 + 4 + 20 + 8 + 3);
+        assert_eq!(count, 1 + 19 + 6 * 8 + 4 + 20 + 8 + 5);
         assert_eq!(hashes.len(), count);
     }
 

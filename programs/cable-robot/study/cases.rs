@@ -2,6 +2,7 @@
 
 use cable_robot::control::response::instants;
 use cable_robot::control::{Gains, Response, static_margin, tensions};
+use cable_robot::plan::{ControllerParameters, Planner};
 use cable_robot::reach::ExactDomain;
 use cable_robot::reach::certificate::{Margins, Step, Verdict, certify};
 use cable_robot::robot::{Coordinates, PerCable, Pose, Pulley, Rig, RigFile, RobotParameters, TensionLimits};
@@ -108,7 +109,7 @@ pub fn any_problem(rng: &mut Pcg64, case: u64) -> (Rig, Step) {
     (rig, step)
 }
 
-/// Margins, each there or not, of which some leave enough for a step of six cables and some do not.
+/// Margins, each there or not, of which some leave enough for a step and some do not.
 pub fn any_margins(rng: &mut Pcg64, rig: &Rig, step: &Step) -> Margins {
     let size = log_uniform(rng, 1e-4, 1e-2);
     let mut any = |of: f64| if rng.random_bool(0.5) { of * rng.random_range(0.0..size) } else { 0.0 };
@@ -119,7 +120,7 @@ pub fn any_margins(rng: &mut Pcg64, rig: &Rig, step: &Step) -> Margins {
         force: any(0.1 * weight),
         torque: any(0.01 * weight * radius),
         friction: any(0.01 * weight),
-        law_margin: 0.0,
+        law_margin: Planner::from(ControllerParameters::of(rig)).allowance(),
         accuracy: any(0.01 * radius),
         sample_period: any(0.3 / step.fast_rate()),
         delay: any(0.3 / step.fast_rate()),

@@ -29,8 +29,8 @@ pub use timed::certify_motion;
 use crate::robot::{CableSet, LEAST_CABLES, PerCable, Rig, TensionLimits};
 use margins::{Extent, Tube};
 use motion::Span;
-use proof::{ProvedTube, Record};
-use shown::look;
+use proof::{ProvedTube, Record, with_room};
+use shown::{OfLaw, look};
 use statics::{Cables, Pulling};
 use taylor::Taylor;
 
@@ -192,23 +192,24 @@ fn closed_form(
 }
 
 /// Shows that all motions in a tube keep within the limits. `inside` is shown the cables as the law makes them pull, over spans that cover all time, and
-/// by how much the law may intrude on its margin.
+/// of more than six what the law has to do with it.
 fn walk(
     rig: &Rig,
     limits: &PerCable<TensionLimits>,
     (step, tube): (&Step, &Tube),
     spans: &mut usize,
-    mut inside: impl FnMut(Span, &Pulling, f64),
+    mut inside: impl FnMut(Span, &Pulling, Option<OfLaw>),
 ) -> Result<(), Verdict> {
     if rig.cables.len() == LEAST_CABLES {
-        let inside = |span, cables: &Cables| inside(span, &cables.pulling(), 0.0);
+        let inside = |span, cables: &Cables| inside(span, &cables.pulling(), None);
         return search::walk(rig, step, tube, limits, spans, inside);
     }
     search::cover(step, spans, |span| {
         redundant::look(rig, limits, &step.motion(span, tube), (span, SHARE), |system, shared, law| {
             let tensions = &shared.tension;
             let near = law.nearness(system, tensions);
-            inside(span, &system.pulling(tensions, &shared.solved, near.distance), near.intrusion);
+            let pulling = system.pulling(tensions, &shared.solved, near.distance);
+            inside(span, &pulling, Some(OfLaw { shared, near }));
         })
     })
 }
@@ -248,18 +249,23 @@ fn in_a_tube(
 ) -> Result<Option<(Extent, Range)>, Verdict> {
     let (limits, friction) = (limits_of_law(rig, margins), margins.friction);
     let Some((disturbance, tube)) = margins::tube(rig, step, margins, guess) else { return Ok(None) };
-    record.begin_again(ProvedTube { disturbance, extent: *guess });
+    record.begin_again(ProvedTube { disturbance, extent: *guess, intrusion: None });
     let (mut extent, mut range, mut intruded) = (Extent::none(), Range::none(rig), 0.0_f64);
-    walk(rig, &limits, (step, &tube), &mut { search::MOST_SPANS }, |span, pulling, intrusion| {
+    walk(rig, &limits, (step, &tube), &mut { search::MOST_SPANS }, |span, pulling, of_law| {
         extent.include(rig, pulling);
-        record.add_with_room(span, pulling, &limits, friction);
+        if let Some(of_law) = &of_law {
+            intruded = intruded.max(of_law.near.intrusion);
+        }
+        record.add_with_room(span, pulling, of_law, &limits);
         range.include(pulling.tension, pulling.apart);
-        intruded = intruded.max(intrusion);
     })
     .map_err(Verdict::of_a_tube)?;
-    if rig.cables.len() > LEAST_CABLES && margins.law_margin < friction + intruded {
+    let is_shared = rig.cables.len() > LEAST_CABLES;
+    if is_shared && margins.law_margin <= friction + intruded {
         return Ok(None);
     }
+    let intrusion = is_shared.then(|| with_room(intruded, margins.law_margin - friction));
+    record.pulled(&limits, friction, intrusion);
     Ok(Some((extent, range.within(&limits, intruded).widened(friction))))
 }
 

@@ -3,14 +3,16 @@
 use super::margins::{Extent, Margins, Tube};
 use super::motion::{Span, Step};
 use super::redundant;
-use super::shown::Shown;
+use super::shown::{OfLaw, Shown};
 use super::statics::{Pulling, Solved, cables};
 use super::taylor::Taylor;
 use super::{CertificateError, Verdict, decide};
-use crate::robot::{Coordinates, LEAST_CABLES, PerCable, Rig, TensionLimits};
+use crate::robot::{Coordinates, PerCable, Rig, TensionLimits};
 
 /// By which share of themselves claims about a tube are wider than what proves them here: other arithmetic encloses it in another way, and cuts do not make it narrower.
 const ROOM: f64 = 0.25;
+/// What a few sums of tensions are off by, as a share of these.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// What proves a verdict.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +55,19 @@ pub struct ProvedSpan {
     pub spread: Option<Spread>,
     /// The six unknowns.
     pub solved: Solved,
-    /// Least and greatest tension of each cable, N.
+    /// Of more than six cables with margins: the law's tensions beside those of the unknowns.
+    pub law: Option<NearLaw>,
+    /// Least and greatest tension of each cable, N: with margins those that it may pull.
     pub bounds: PerCable<[f64; 2]>,
+}
+
+/// How far the tensions of the law (D1) are from others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearLaw {
+    /// Of the wrench matrix's rows, as of (D1).
+    pub multipliers: [f64; 6],
+    /// The norm of the difference at most, N.
+    pub distance: f64,
 }
 
 /// Tension over length of cable i is `base`ᵢ + `basis`ᵢ · y, with six unknowns y.
@@ -73,6 +86,8 @@ pub struct ProvedTube {
     pub disturbance: Coordinates,
     /// What the cables come to in the tube, at most.
     pub extent: Extent,
+    /// Of more than six cables: by how much the law may intrude on its margin, N.
+    pub intrusion: Option<f64>,
 }
 
 /// What is shown on the way to a verdict, where a proof is wanted; by default none is, and nothing is allocated.
@@ -93,17 +108,33 @@ impl Record {
         }
     }
 
-    /// Of motions in a tube, six cables, commanded within `limits`; each pulls what it is commanded to within `friction` (N).
+    /// Of motions in a tube, with tensions within `limits`.
     pub fn add_with_room(
         &mut self,
         span: Span,
         pulling: &Pulling,
+        of_law: Option<OfLaw>,
         limits: &PerCable<TensionLimits>,
-        friction: f64,
     ) {
         if let Some(spans) = &mut self.spans {
-            let shown = Shown { tension: pulling.tension, solved: pulling.solved, shared: None };
-            spans.push(ProvedSpan::of(span, &shown).with_room(pulling.tension, limits).pulled(friction));
+            let shared = of_law.as_ref().map(|of_law| of_law.shared);
+            let shown = Shown { tension: pulling.tension, solved: pulling.solved, shared };
+            let law = of_law.map(|OfLaw { near, .. }| NearLaw {
+                multipliers: near.multipliers,
+                distance: near.distance * (1.0 + ROOM),
+            });
+            spans.push(ProvedSpan { law, ..ProvedSpan::of(span, &shown).with_room(pulling.tension, limits) });
+        }
+    }
+
+    /// From the tensions shown to those that are pulled: of more than six cables the law's, which keep within `limits` but for `intrusion` (N), and then within `friction` (N)
+    /// of these.
+    pub fn pulled(&mut self, limits: &PerCable<TensionLimits>, friction: f64, intrusion: Option<f64>) {
+        for span in self.spans.iter_mut().flatten() {
+            span.bounds = span.pulled(limits, friction, intrusion);
+        }
+        if let Some(tube) = &mut self.tube {
+            tube.intrusion = intrusion;
         }
     }
 
@@ -128,8 +159,12 @@ impl Record {
     }
 }
 
-/// As [`certify_with_margins`](super::certify_with_margins), with the proof where there is one; it allocates. There is none for "admissible" of more than six cables with
-/// margins.
+/// What is `found`, with room for other arithmetic: at most half way to what is `allowed`.
+pub(super) fn with_room(found: f64, allowed: f64) -> f64 {
+    (found * (1.0 + ROOM)).min(0.5 * (found + allowed))
+}
+
+/// As [`certify_with_margins`](super::certify_with_margins), with the proof where there is one; it allocates.
 ///
 /// # Errors
 /// As [`certify_with_margins`](super::certify_with_margins).
@@ -141,10 +176,7 @@ pub fn prove(
     let mut record = Record::wanted();
     let verdict = decide(rig, step, margins, &mut record)?;
     let proof = match verdict {
-        Verdict::Admissible { .. } => {
-            let is_told = margins.are_none() || rig.cables.len() == LEAST_CABLES;
-            if is_told { record.admissible() } else { None }
-        }
+        Verdict::Admissible { .. } => record.admissible(),
         Verdict::NotAdmissible { cable, time, .. } => beyond(rig, step, cable, time),
         Verdict::NoDistribution { time, shortfall, .. } => none_keeps(rig, step, time, shortfall),
         Verdict::Undecided { .. } => None,
@@ -156,7 +188,7 @@ impl ProvedSpan {
     pub(super) fn of(span: Span, shown: &Shown) -> Self {
         let spread = shown.shared.map(|shared| Spread { base: shared.base, basis: shared.basis });
         let bounds = PerCable::from_fn(shown.tension.len(), |i| shown.tension[i].range());
-        Self { span, spread, solved: *shown.solved, bounds }
+        Self { span, spread, solved: *shown.solved, law: None, bounds }
     }
 
     /// Wider by [`ROOM`], or by less where that takes half of what is left to the limits.
@@ -177,12 +209,21 @@ impl ProvedSpan {
         self
     }
 
-    /// From what is commanded to what is pulled.
-    fn pulled(mut self, friction: f64) -> Self {
-        for [least, greatest] in self.bounds.iter_mut() {
-            (*least, *greatest) = ((*least - friction).next_down(), (*greatest + friction).next_up());
-        }
-        self
+    /// Bounds of what is pulled where `bounds` are those of the tensions shown.
+    fn pulled(
+        &self,
+        limits: &PerCable<TensionLimits>,
+        friction: f64,
+        intrusion: Option<f64>,
+    ) -> PerCable<[f64; 2]> {
+        let (apart, intrusion) = (self.law.map_or(0.0, |law| law.distance), intrusion.unwrap_or(0.0));
+        PerCable::from_fn(self.bounds.len(), |i| {
+            let ([least, greatest], limits) = (self.bounds[i], limits[i]);
+            let rounding = ROUNDING * (greatest + apart + friction);
+            let least = (least - apart).max(limits.min - intrusion) - friction;
+            let greatest = (greatest + apart).min(limits.max + intrusion) + friction;
+            [least - rounding, greatest + rounding]
+        })
     }
 }
 
@@ -210,11 +251,13 @@ fn none_keeps(rig: &Rig, step: &Step, time: f64, shortfall: f64) -> Option<Proof
 #[cfg(test)]
 mod tests {
     use super::super::margins::tube;
+    use super::super::motion::Motion;
     use super::super::statics::System;
     use super::super::{certify, certify_with_margins};
     use super::*;
     use crate::control::Gains;
-    use crate::robot::{Coordinates, Pose, RigFile};
+    use crate::control::distribution::share;
+    use crate::robot::{Coordinates, LEAST_CABLES, Pose, RigFile};
     use rand::{RngExt, SeedableRng};
 
     /// Steps of the paper's rig and of the eight cables, about half of them admissible.
@@ -238,12 +281,14 @@ mod tests {
         })
     }
 
-    /// Of six cables, each margin there or not, in the size of what the paper's rig bears.
+    /// Of six and eight cables, each margin there or not, in the size of what the paper's rig bears.
     fn random_problems_with_margins(count: usize) -> impl Iterator<Item = (Rig, Step, Margins)> {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(16);
-        random_problems(2 * count).step_by(2).map(move |(mut rig, step)| {
-            // A uniform disc: stiffer than Table I's.
-            rig.inertia = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(0.125, 0.125, 0.25));
+        random_problems(count).map(move |(mut rig, step)| {
+            if rig.cables.len() == LEAST_CABLES {
+                // A uniform disc: stiffer than Table I's.
+                rig.inertia = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(0.125, 0.125, 0.25));
+            }
             let step = Step { set_point: Pose(step.start.0.lerp(&step.set_point.0, 0.4)), ..step };
             let mut any = |size: f64| if rng.random_bool(0.4) { rng.random_range(0.0..size) } else { 0.0 };
             let margins = Margins {
@@ -252,7 +297,7 @@ mod tests {
                 force: any(0.1),
                 torque: any(1e-3),
                 friction: any(1e-2),
-                law_margin: 0.0,
+                law_margin: 0.0017 * rig.weight(),
                 accuracy: any(3e-5),
                 sample_period: any(1e-3),
                 delay: any(1e-3),
@@ -283,7 +328,7 @@ mod tests {
     #[test]
     fn a_verdict_with_margins_is_the_same_with_and_without_its_proof() {
         let mut counts = [0; 3];
-        for (rig, step, margins) in random_problems_with_margins(100) {
+        for (rig, step, margins) in random_problems_with_margins(200) {
             let (verdict, proof) = prove(&rig, &step, &margins).unwrap();
             let without = certify_with_margins(&rig, &step, &margins).unwrap();
             assert_eq!(format!("{verdict:?}"), format!("{without:?}"));
@@ -304,7 +349,8 @@ mod tests {
     fn a_proof_with_margins_speaks_of_all_motions_in_the_tube() {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(17);
         let (mut seen, mut nearest) = (0, f64::INFINITY);
-        for (rig, step, margins) in random_problems_with_margins(60) {
+        let of_six = random_problems_with_margins(120).filter(|(rig, ..)| rig.cables.len() == LEAST_CABLES);
+        for (rig, step, margins) in of_six {
             let Some(Proof::Admissible { spans, tube: Some(proved) }) =
                 prove(&rig, &step, &margins).unwrap().1
             else {
@@ -318,18 +364,7 @@ mod tests {
                 }
                 for tau in [-1.0, -0.2, 0.6, 1.0] {
                     let time = proved.span.time(tau);
-                    let mut motion = step.motion(Span::Between(time, time), &Tube::empty());
-                    for (values, radii) in [
-                        (&mut motion.coordinates, &tube.coordinates),
-                        (&mut motion.rates, &tube.rates),
-                        (&mut motion.accelerations, &tube.accelerations),
-                    ] {
-                        for (value, radius) in values.iter_mut().zip(radii.iter()) {
-                            // At an end of the tube.
-                            value.coefficients[0] += if rng.random_bool(0.5) { *radius } else { -radius };
-                        }
-                    }
-                    let there = cables(&rig, &motion).unwrap();
+                    let there = cables(&rig, &at_an_end(&step, &tube, time, &mut rng)).unwrap();
                     let near = at(&proved.solved.unknowns, tau);
                     for i in 0..6 {
                         let u = there.tension[i].coefficients[0];
@@ -338,6 +373,61 @@ mod tests {
                         let off = (there.solved.unknowns[i].coefficients[0] - near[i]).abs();
                         assert!(off <= proved.solved.unknowns[i].error, "{off} of cable {i} at {time}");
                     }
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 200 && nearest > 0.0, "{seen}, {nearest} N");
+    }
+
+    /// A motion at this time that is as far from the closed form as the tube allows.
+    fn at_an_end(step: &Step, tube: &Tube, time: f64, rng: &mut rand_pcg::Pcg64) -> Motion {
+        let mut motion = step.motion(Span::Between(time, time), &Tube::empty());
+        for (values, radii) in [
+            (&mut motion.coordinates, &tube.coordinates),
+            (&mut motion.rates, &tube.rates),
+            (&mut motion.accelerations, &tube.accelerations),
+        ] {
+            for (value, radius) in values.iter_mut().zip(radii.iter()) {
+                value.coefficients[0] += if rng.random_bool(0.5) { *radius } else { -radius };
+            }
+        }
+        motion
+    }
+
+    /// Of eight cables the law's, as near to those of the unknowns as is said, anywhere in the tube.
+    #[test]
+    fn a_proof_with_margins_bounds_the_laws_tensions_of_more_than_six_cables() {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(18);
+        let (mut seen, mut nearest) = (0, f64::INFINITY);
+        let of_more = random_problems_with_margins(240).filter(|(rig, ..)| rig.cables.len() > LEAST_CABLES);
+        for (rig, step, margins) in of_more {
+            let Some(Proof::Admissible { spans, tube: Some(proved) }) =
+                prove(&rig, &step, &margins).unwrap().1
+            else {
+                continue;
+            };
+            let tube = tube(&rig, &step, &margins, &proved.extent).unwrap().1;
+            for span in spans {
+                let (law, spread) = (span.law.unwrap(), span.spread.unwrap());
+                for tau in [-1.0, -0.3, 0.5, 1.0] {
+                    let motion = at_an_end(&step, &tube, span.span.time(tau), &mut rng);
+                    let system = System::new(&rig, &motion).unwrap();
+                    let (matrix, wrench) = redundant::middle(&system);
+                    let pulled = share(&rig, &matrix, &wrench, margins.law_margin).unwrap();
+                    let near = at(&span.solved.unknowns, tau);
+                    let mut square = 0.0;
+                    for (i, u) in pulled.iter().enumerate() {
+                        let [least, greatest] = span.bounds[i];
+                        nearest = nearest.min((u - least).min(greatest - u) - margins.friction);
+                        let length = system.length[i].coefficients[0];
+                        let of_basis: f64 = (0..6).map(|k| spread.basis[i][k] * near[k]).sum();
+                        let unsure: f64 =
+                            (0..6).map(|k| spread.basis[i][k].abs() * span.solved.unknowns[k].error).sum();
+                        let off = (u - length * (spread.base[i] + of_basis)).abs() - length * unsure;
+                        square += off.max(0.0).powi(2);
+                    }
+                    assert!(square.sqrt() <= law.distance, "{} of {}", square.sqrt(), law.distance);
                     seen += 1;
                 }
             }

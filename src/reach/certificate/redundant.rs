@@ -108,12 +108,14 @@ pub struct Law<'a> {
     solutions: Solutions,
 }
 
-/// How near the law's tensions are to those shown, N.
+/// How near the law's tensions are to those shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearness {
-    /// All together: the norm of the difference.
+    /// y that it is proved with.
+    pub multipliers: [f64; 6],
+    /// All together, N: the norm of the difference.
     pub distance: f64,
-    /// By how much they intrude on the law's margin.
+    /// By how much they intrude on the law's margin, N.
     pub intrusion: f64,
 }
 
@@ -148,7 +150,7 @@ impl Law<'_> {
             most.range()[1].max(0.0)
         };
         let gap: f64 = (0..shown.len()).map(of_cable).sum();
-        Nearness { distance: (2.0 * gap).sqrt() * UPWARDS, intrusion }
+        Nearness { multipliers: y, distance: (2.0 * gap).sqrt() * UPWARDS, intrusion }
     }
 
     /// y with (Wᵀ y)ᵢ = uᵢ - rᵢ for the law's tensions u in the middle that no limit holds, nearly.
@@ -175,7 +177,7 @@ fn from(reference: &PerCable<f64>, tensions: &[Taylor]) -> f64 {
 }
 
 /// The wrench matrix and the wrench in the middle of the span, nearly.
-fn middle(system: &System) -> (PerCable<Vector6<f64>>, Vector6<f64>) {
+pub(super) fn middle(system: &System) -> (PerCable<Vector6<f64>>, Vector6<f64>) {
     let matrix = PerCable::from_fn(system.columns.len(), |i| {
         Vector6::from(system.columns[i].map(|v| v.coefficients[0])) / system.length[i].coefficients[0]
     });

@@ -2,7 +2,7 @@
 
 use super::Cause;
 use super::motion::{Motion, Span};
-use super::redundant::{self, Shared};
+use super::redundant::{self, Nearness, Shared};
 use super::search::{Finding, judge};
 use super::statics::{Solved, cables};
 use super::taylor::Taylor;
@@ -14,6 +14,12 @@ pub(super) struct Shown<'a> {
     pub solved: &'a Solved,
     /// Of more than six cables.
     pub shared: Option<&'a Shared>,
+}
+
+/// Of more than six cables in a tube: the tensions shown, and how near to them the law's are.
+pub(super) struct OfLaw<'a> {
+    pub shared: &'a Shared,
+    pub near: Nearness,
 }
 
 /// Looks at the tensions of `motion` over `span`, of more than six cables at some; `inside` is shown those that are within the limits.

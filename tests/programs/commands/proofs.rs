@@ -77,17 +77,17 @@ fn a_proof_with_margins_says_which_and_how_far_the_robot_may_be_off() {
 }
 
 #[test]
-fn what_a_proof_file_does_not_hold_is_refused_by_name() {
+fn a_proof_with_margins_of_eight_cables_says_how_near_the_law_is() {
     let folder = tempfile::tempdir().unwrap();
     let rig = concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/eight.toml");
-    for margin in ["--mass-error", "--force", "--delay", "--accuracy"] {
-        let step = ["certify", "--rig", rig, "--from", "0,0,2", "--to", "0.1,0,2"];
-        let arguments = [&step[..], &["--proof", "x.json", margin, "0.001"]].concat();
-        let (code, out, err) = run(folder.path(), &arguments);
-        assert_eq!((code, out.as_str()), (Some(1), ""), "{margin}");
-        assert!(err.contains("a proof file holds the closed form") && err.contains("--accuracy 0"), "{err}");
+    let step = ["certify", "--rig", rig, "--from", "0,0,2", "--to", "0.3,0.2,1.9", "--force", "2"];
+    let (code, out, err) = run(folder.path(), &[&step[..], &["--proof", "x.json"]].concat());
+    assert_eq!((code, &out), (Some(0), &run(folder.path(), &step).1), "{err}");
+    let proof = read(&folder.path().join("x.json"));
+    assert!(proof["problem"]["margins"]["lawMargin"].is_string() && proof["tube"]["intrusion"].is_string());
+    for span in proof["spans"].as_array().unwrap() {
+        assert!(span["distance"].is_string() && span["multipliers"].as_array().unwrap().len() == 6);
     }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]
