@@ -191,8 +191,8 @@ fn virtual_machine(root: &Path) -> Result<Outcome> {
     let suites = [&["virtual_machine", "host", "--", "--ignored"][..], &["fault_matrix", "--", "--ignored"]];
     let mut passed = 0;
     for suite in suites {
-        match run(root, "cargo", &[&["test", "--package", "cable-robot-programs", "--test"], suite].concat())?
-        {
+        // Of the workspace, whose features the tests before were compiled with.
+        match run(root, "cargo", &[&["test", "--workspace", "--test"], suite].concat())? {
             Outcome::Passed(tests) => passed += tests,
             other => return Ok(other),
         }
@@ -214,16 +214,19 @@ fn built_again(root: &Path) -> Result<Outcome> {
     Ok(Outcome::Passed(1))
 }
 
+const TWO_AT_ONCE: [&str; 3] = ["--numprocesses=2", "--dist", "loadfile"];
+
 /// The interpreter of [`python::of_tests`].
 const PYTEST: &str = "target/python/bin/python";
 
-/// pytest in an environment of its own; the wheel is not optimised.
+/// pytest in an environment of its own, a file of tests after the other on each of two cores; the wheel is not optimised.
 fn python_tests(root: &Path) -> Result<Outcome> {
     let suites = ["fmpy-tests", "checker", "benches/peers"];
     run(
         root,
         "env",
-        &[&[wheel_of_tests(false)?.as_str(), PYTEST, "-m", "pytest", "--quiet"][..], &suites].concat(),
+        &[&[wheel_of_tests(false)?.as_str(), PYTEST, "-m", "pytest", "--quiet"][..], &TWO_AT_ONCE, &suites]
+            .concat(),
     )
 }
 
