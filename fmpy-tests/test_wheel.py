@@ -44,6 +44,14 @@ def test_the_lines_of_the_readme_run_as_printed(installed, tmp_path):
     assert "admissible" in printed and "AtGoal" in printed, printed
 
 
+def test_the_example_prints_what_the_page_says(installed, tmp_path):
+    page = (ROOT / "docs/python.md").read_text()
+    said = re.search(r"\$ python (fmpy-tests/examples/heights\.py)\n((?:.+\n)*?)```", page)
+    done = subprocess.run([installed, ROOT / said[1], "--csv", "heights.csv"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout == said[2], done.stderr
+    assert len((tmp_path / "heights.csv").read_text().splitlines()) == 6
+
+
 def test_numpy_is_not_imported_before_it_is_needed(installed, tmp_path):
     code = (
         "import sys, cable_robot\n"
