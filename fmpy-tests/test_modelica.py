@@ -19,7 +19,7 @@ TENSION = [12.0, 9.0, 11.0, 10.5, 10.0, 11.5]
 
 @pytest.fixture(scope="session")
 def package() -> Path:
-    done = subprocess.run(["cargo", "modelica"], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run([ROOT / "target/debug/fmu-build", "modelica"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return Path(done.stdout.strip())
 
@@ -110,13 +110,13 @@ def environment_of_modelica(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("rig", ["paper", "eight"])
 def test_the_plant_that_is_written_for_a_rig_moves_as_its_plant_fmu(rig, tmp_path):
     file = ROOT / "rigs" / f"{rig}.toml"
-    cable_robot = ["cargo", "run", "--quiet", "--bin", "cable-robot", "--"]
-    written = subprocess.run([*cable_robot, "modelica", "--rig", file], cwd=ROOT, capture_output=True, text=True)
+    cable_robot = ROOT / "target/debug/cable-robot"
+    written = subprocess.run([cable_robot, "modelica", "--rig", file], cwd=ROOT, capture_output=True, text=True)
     assert written.returncode == 0, written.stderr
     if rig == "paper":
         ours = (SOURCES / "Plants" / "Plant.mo").read_text()
         assert ours == written.stdout.replace("within ;", "within CableRobot.Plants;", 1)
-    packed = subprocess.run([*cable_robot, "fmu", "--rig", file, "--output", tmp_path / "fmus"], cwd=ROOT, capture_output=True, text=True)
+    packed = subprocess.run([cable_robot, "fmu", "--rig", file, "--output", tmp_path / "fmus"], cwd=ROOT, capture_output=True, text=True)
     assert packed.returncode == 0, packed.stderr
     with Slave(tmp_path / "fmus" / "fmi3" / "CableRobotPlant.fmu") as slave:
         count = sum(name.startswith("motorTension[") for name in slave.variables)

@@ -12,7 +12,7 @@ RIG = ROOT / "rigs/can/akd.toml"
 
 
 def export(rig: Path, bus: str) -> str:
-    command = ["cargo", "run", "--quiet", "--bin", "can-bridge", "--", rig, "--export-dbc", bus]
+    command = [ROOT / "target/debug/can-bridge", rig, "--export-dbc", bus]
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 

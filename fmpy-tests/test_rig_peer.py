@@ -33,11 +33,6 @@ PATIENT = {
 }
 
 
-@pytest.fixture(scope="session", autouse=True)
-def program():
-    subprocess.run("cargo build --quiet --bin can-bridge".split(), cwd=ROOT, check=True)
-
-
 def patient(name: str, changes: dict) -> str:
     """An example's fieldbus file, with these changes."""
     text = (ROOT / "rigs/can" / name).read_text()

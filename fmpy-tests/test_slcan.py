@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 @pytest.fixture
 def bus():
-    command = "cargo test --quiet --package cable-robot-programs --test slcan_peer echo_until_hang_up -- --ignored --exact --nocapture"
+    command = "cargo test --quiet --workspace --test slcan_peer echo_until_hang_up -- --ignored --exact --nocapture"
     with subprocess.Popen(command.split(), cwd=ROOT, stdout=subprocess.PIPE, text=True) as peer:
         device = next(found[1] for line in peer.stdout if (found := re.search(r"device (\S+)", line)))
         with can.Bus(interface="slcan", channel=device, bitrate=1_000_000, sleep_after_open=0) as bus:
