@@ -58,7 +58,7 @@ pub fn write() -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Checks the licence of every package of the lock file, and that the file is the one of this lock file.
+/// Checks the licence of every package that is built, with whatever features, and that the file is the one of this lock file.
 pub fn check() -> Result<()> {
     let written =
         fs::read_to_string(project_root().join(FILE)).with_context(|| format!("cannot read {FILE}"))?;
@@ -153,31 +153,28 @@ fn cargo() -> Command {
     command
 }
 
-/// Of the whole lock file, for the platforms that FMUs are made for.
+/// Of all programs and tests with all features, for the platforms that FMUs are made for.
 fn packages() -> Result<Vec<Package>> {
     let mut command = cargo();
-    command.args(["metadata", "--format-version", "1", "--locked"]);
+    command.args(["metadata", "--format-version", "1", "--locked", "--all-features"]);
     for platform in &PLATFORMS {
         command.args(["--filter-platform", platform.target]);
     }
     let metadata: Metadata = serde_json::from_str(&output(&mut command)?)?;
-    Ok(metadata.packages)
+    // It also names what a dependency takes on other platforms only.
+    let built = tree(&["--workspace", "--all-features", "--edges", "all"])?;
+    Ok(metadata.packages.into_iter().filter(|package| built.contains(&package.id())).collect())
 }
 
 /// Names and versions of what is linked into the library of the FMUs, with the nodes on CAN buses.
 fn linked() -> Result<BTreeSet<String>> {
+    tree(&["--package", "cable-robot-fmi", "--features", "can", "--edges", "normal,no-proc-macro"])
+}
+
+/// Names and versions of what `cargo tree` shows of the platforms that FMUs are made for.
+fn tree(arguments: &[&str]) -> Result<BTreeSet<String>> {
     let mut command = cargo();
-    command.args([
-        "tree",
-        "--locked",
-        "--package",
-        "cable-robot-fmi",
-        "--features",
-        "can",
-        "--prefix",
-        "none",
-    ]);
-    command.args(["--edges", "normal,no-proc-macro", "--format", "{p}"]);
+    command.args(["tree", "--locked", "--prefix", "none", "--format", "{p}"]).args(arguments);
     for platform in &PLATFORMS {
         command.args(["--target", platform.target]);
     }
@@ -219,6 +216,14 @@ fn licence_of(header: &Path) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_only_a_feature_builds_is_checked_too() {
+        let packages = packages().unwrap();
+        for name in ["mcap", "parquet"] {
+            assert!(packages.iter().any(|package| package.name == name), "{name}");
+        }
+    }
 
     #[test]
     fn one_alternative_of_a_licence_must_be_allowed() {

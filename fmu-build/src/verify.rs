@@ -52,7 +52,7 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 6] = [
+const LONGER: [Stage; 7] = [
     ("FMUs, built again", built_again),
     ("wheel, released", |root| {
         run(
@@ -61,6 +61,7 @@ const LONGER: [Stage; 6] = [
             &[&wheel_of_tests(true)?, PYTEST, "-m", "pytest", "--quiet", "fmpy-tests/test_wheel.py"],
         )
     }),
+    ("export", exported),
     ("C boundary, valgrind", under_valgrind),
     ("C boundary, ASan", under_address_sanitizer),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
@@ -234,6 +235,28 @@ fn python_tests(root: &Path) -> Result<Outcome> {
 fn wheel_of_tests(release: bool) -> Result<String> {
     python::of_tests()?;
     Ok(format!("CABLE_ROBOT_WHEEL={}", wheel::build(release)?.display()))
+}
+
+/// Runs as MCAP and Parquet, which the other stages do not build, read by the libraries of others.
+fn exported(root: &Path) -> Result<Outcome> {
+    const PACKAGES: [&str; 6] =
+        ["--package", "cable-robot-report", "--package", "cable-robot-programs", "--features", "export"];
+    let requirements = root.join("fmpy-tests/export/requirements.txt");
+    let python = python::environment(&requirements, "tools/export")?.join("bin/python");
+    let steps = [
+        ("cargo", [&["clippy"], &PACKAGES[..], &["--all-targets", "--", "-D", "warnings"]].concat()),
+        ("cargo", [&["test"], &PACKAGES[..], &["--lib", "export"]].concat()),
+        ("cargo", [&["build"], &PACKAGES[..], &["--bin", "cable-robot"]].concat()),
+        (&python.display().to_string(), vec!["-m", "pytest", "--quiet", "fmpy-tests/export/exported.py"]),
+    ];
+    let mut passed = 0;
+    for (program, arguments) in steps {
+        match run(root, program, &arguments)? {
+            Outcome::Passed(tests) => passed += tests,
+            other => return Ok(other),
+        }
+    }
+    Ok(Outcome::Passed(passed))
 }
 
 /// The name in `test NAME ... FAILED` of cargo and `FAILED NAME - why` of pytest.

@@ -3,6 +3,8 @@
 mod arguments;
 mod certify;
 mod completions;
+#[cfg(feature = "export")]
+mod export;
 mod figure;
 mod fmu;
 mod modelica;
@@ -79,6 +81,10 @@ enum Task {
     /// One HTML file of a run: robot, positions, tensions, plane, with a time scrubber; of two runs side by side
     #[command(after_help = report::EXAMPLE)]
     Report(report::Report),
+    /// A run as MCAP for Foxglove and PlotJuggler, or as Parquet
+    #[cfg(feature = "export")]
+    #[command(after_help = export::EXAMPLE)]
+    Export(export::Export),
     /// A proof that one step, in all six coordinates, keeps every tension within its limits
     #[command(after_help = certify::EXAMPLE)]
     Certify(certify::Certify),
@@ -150,6 +156,8 @@ fn execute(task: Task) -> anyhow::Result<Outcome> {
         Task::Orbit(task) => task.run(),
         Task::Simulate(task) => task.run(),
         Task::Report(task) => task.run(),
+        #[cfg(feature = "export")]
+        Task::Export(task) => task.run(),
         Task::Certify(task) => task.run(),
         Task::Tensions(task) => task.run(),
         Task::Fmu(task) => task.run(),

@@ -248,7 +248,7 @@ fn shown(drawn: &[usize], set_points: &[usize], goals: &[usize]) -> Vec<usize> {
 }
 
 /// A share of the weight that a cable seldom bears, or the limit if that is less, N.
-fn colour_top(rig: &Rig, limit: f64) -> f64 {
+pub fn colour_top(rig: &Rig, limit: f64) -> f64 {
     (3.0 * rig.weight() / rig.cables.len() as f64).min(limit)
 }
 

@@ -8,6 +8,8 @@ mod digest;
 mod domains;
 pub mod events;
 mod explanation;
+#[cfg(feature = "export")]
+pub mod export;
 pub mod facts;
 pub mod files;
 mod history;

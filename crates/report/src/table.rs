@@ -175,6 +175,18 @@ impl Table {
         self.columns.iter_mut().for_each(|column| drop(column.drain(..gone)));
     }
 
+    /// All columns, in their order.
+    #[cfg(feature = "export")]
+    pub(super) fn columns(&self) -> impl Iterator<Item = &[f64]> {
+        self.columns.iter().map(Vec::as_slice)
+    }
+
+    /// The last row, in the order of the columns; nothing of an empty table.
+    #[cfg(feature = "export")]
+    pub(super) fn last_row(&self) -> Vec<f64> {
+        self.columns.iter().filter_map(|column| column.last().copied()).collect()
+    }
+
     /// Adds row number `row`, from 0, of a table with the same columns.
     pub fn push_of(&mut self, other: &Self, row: usize) {
         self.columns.iter_mut().zip(&other.columns).for_each(|(column, from)| column.push(from[row]));
