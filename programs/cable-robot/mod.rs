@@ -12,6 +12,7 @@ mod opener;
 mod orbit;
 mod picture;
 mod plan;
+mod plane;
 mod progress;
 mod proof;
 mod reach;

@@ -128,6 +128,13 @@ pub fn find(slice: &Slice, file: &RigFile, row_done: impl Fn() + Sync) -> Option
     })
 }
 
+/// The border at the height and orientation of a pose, m.
+pub fn border(file: &RigFile, at: &Pose) -> Vec<[f64; 2]> {
+    let slice = Slice { rig: &file.rig, height: at.0[2], angles: at.angles() };
+    find(&slice, file, || ())
+        .map_or(vec![], |found| found.corners.iter().map(|corner| [corner.x, corner.y]).collect())
+}
+
 fn bounds(points: &[Vector2<f64>], pick: fn(f64, f64) -> f64) -> Vector2<f64> {
     points.iter().copied().reduce(|a, b| a.zip_map(&b, pick)).unwrap_or_default()
 }

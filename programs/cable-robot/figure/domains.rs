@@ -63,7 +63,7 @@ pub fn figure_7(run: &Run) -> Made {
 
 /// Both panels with their domains; their plotting areas are square.
 fn chart(panels: [Panel; 2]) -> Chart {
-    Chart { size: [1000, 476], columns: 2, panels: panels.into() }
+    Chart { size: [1000, 476], columns: 2, panels: panels.into(), caption: vec![] }
 }
 
 /// The whole workspace, with the key to the domains, and its part with x and y greater than 0.
@@ -79,7 +79,7 @@ fn planes(from: &[[f64; 2]]) -> [Panel; 2] {
             series.push(domain);
         }
         let (x, y) = (Axis::new("x (m)", range.clone(), 2), Axis::new("y (m)", range, 2));
-        Panel { title, x, y, series, notes: vec![] }
+        Panel { title: title.to_owned(), x, y, series, notes: vec![] }
     })
 }
 

@@ -1,19 +1,23 @@
 //! A chart as SVG, drawn by plotters, and as PNG, painted from that by resvg with a font of its own.
 
+use std::io::Write;
+use std::path::Path;
+
 use anyhow::{Context, Result, anyhow};
+use cable_robot_report::files::write_whole;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
-    Circle, Color, DashedLineSeries, DrawingArea, IntoDrawingArea, IntoFont, LineSeries, PathElement,
-    Polygon, RGBColor, SVGBackend, TextStyle, WHITE,
+    Circle, Color, Cross, DashedLineSeries, DrawingArea, IntoDrawingArea, IntoFont, LineSeries, PathElement,
+    Polygon, RGBColor, SVGBackend, TextStyle, TriangleMarker,
 };
 use plotters::style::ShapeStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use resvg::{tiny_skia, usvg};
 
-use super::chart::{BLACK, Chart, GREY, Look, Note, Panel, Series, Side};
+use super::chart::{BLACK, Chart, GREY, GRID, Look, Note, ON_DARK, PAPER, Panel, Series, Side};
 
 /// Units of the SVG a pixel of the screen: plotters rounds to whole units.
 const FINE: i32 = 8;
@@ -29,13 +33,15 @@ const RIGHT: i32 = 34;
 /// Width of a line; thin ones have 1.
 const LINE: i32 = 3;
 const DOT: i32 = 4;
+const RING: i32 = 7;
 const DASH: i32 = 8;
 const GAP: i32 = 5;
 /// Length of the piece of a line in the key.
 const PIECE: i32 = 23;
 /// How much of its colour a region is filled with.
 const TINT: f64 = 0.12;
-const GRID: RGBColor = RGBColor(225, 225, 225);
+/// From line to line of the caption.
+const CAPTION_LINE: i32 = 20;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -47,7 +53,31 @@ pub fn svg(chart: &Chart) -> Result<String> {
     // It is shown at the size of the screen, whatever the units inside.
     let [width, height] = chart.size;
     let inside = format!("width=\"{}\" height=\"{}\"", width * FINE as u32, height * FINE as u32);
-    Ok(text.replacen(&inside, &format!("width=\"{width}\" height=\"{height}\""), 1))
+    let shown = text.replacen(&inside, &format!("width=\"{width}\" height=\"{height}\""), 1);
+    Ok(shown.replacen('>', &format!(">\n{}{}", title(chart), dark()), 1))
+}
+
+/// Writes the chart into a file, whole or not at all.
+pub fn write(path: &Path, chart: &Chart) -> Result<()> {
+    let svg = svg(chart)?;
+    Ok(write_whole(path, |file| file.write_all(svg.as_bytes()))?)
+}
+
+/// For who hears the picture.
+fn title(chart: &Chart) -> String {
+    let escaped = |line: &String| line.replace('&', "&amp;").replace('<', "&lt;");
+    chart.caption.first().map_or(String::new(), |line| format!("<title>{}</title>\n", escaped(line)))
+}
+
+/// Other colours where the screen is dark: a style sheet goes before the attributes that plotters writes.
+fn dark() -> String {
+    let hex = |RGBColor(r, g, b): RGBColor| format!("#{r:02X}{g:02X}{b:02X}");
+    let rule = |[light, dark]: [RGBColor; 2]| {
+        let (light, dark) = (hex(light), hex(dark));
+        format!("[fill=\"{light}\"]{{fill:{dark}}}[stroke=\"{light}\"]{{stroke:{dark}}}\n")
+    };
+    let rules: String = ON_DARK.into_iter().map(rule).collect();
+    format!("<style>@media (prefers-color-scheme: dark) {{\n{rules}}}</style>\n")
 }
 
 /// The same picture as a PNG file; nothing of the machine's fonts is used.
@@ -65,12 +95,24 @@ pub fn png(svg: &str) -> Result<Vec<u8>> {
 fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
     let [width, height] = chart.size.map(|side| side * FINE as u32);
     let root = SVGBackend::with_string(text, (width, height)).into_drawing_area();
-    root.fill(&WHITE)?;
+    root.fill(&PAPER)?;
     let rows = chart.panels.len().div_ceil(chart.columns);
-    for (panel, area) in chart.panels.iter().zip(root.split_evenly((rows, chart.columns))) {
+    let high = height as i32 - caption_height(chart) * FINE;
+    let (panels, caption) = root.split_vertically(high);
+    for (panel, area) in chart.panels.iter().zip(panels.split_evenly((rows, chart.columns))) {
         draw_panel(panel, &area, &root)?;
     }
+    for (i, line) in chart.caption.iter().enumerate() {
+        let at = (2 * EDGE * FINE, (i as i32 * CAPTION_LINE + EDGE) * FINE);
+        caption.draw_text(line, &font(TEXT - 1, BLACK), at)?;
+    }
     Ok(root.present()?)
+}
+
+/// What the caption takes of a chart's height, in pixels of the screen.
+pub fn caption_height(chart: &Chart) -> i32 {
+    let lines = chart.caption.len() as i32;
+    if lines == 0 { 0 } else { lines * CAPTION_LINE + 2 * EDGE }
 }
 
 fn draw_panel<'b>(panel: &Panel, area: &Area<'b>, root: &Area<'b>) -> Result<(), Box<dyn std::error::Error>> {
@@ -85,7 +127,7 @@ fn draw_panel<'b>(panel: &Panel, area: &Area<'b>, root: &Area<'b>) -> Result<(),
     plane
         .configure_mesh()
         .disable_axes()
-        .light_line_style(WHITE.mix(0.0))
+        .light_line_style(PAPER.mix(0.0))
         .bold_line_style(pen(GRID, 1))
         .draw()?;
     for series in &panel.series {
@@ -124,6 +166,11 @@ fn draw_series(plane: &mut Plane, series: &Series) -> Result<(), Box<dyn std::er
             plane.draw_series(DashedLineSeries::new(points, DASH * FINE, GAP * FINE, pen(colour, 1)))?
         }
         Look::Dots => plane.draw_series(points.map(|at| Circle::new(at, DOT * FINE, colour.filled())))?,
+        Look::Rings => plane.draw_series(points.map(|at| Circle::new(at, RING * FINE, pen(colour, 2))))?,
+        Look::Crosses => plane.draw_series(points.map(|at| Cross::new(at, RING * FINE, pen(colour, 2))))?,
+        Look::Triangles => {
+            plane.draw_series(points.map(|at| TriangleMarker::new(at, (DOT + 1) * FINE, colour.filled())))?
+        }
         Look::Region => {
             let corners: Vec<_> = points.collect();
             let outline: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
@@ -138,6 +185,7 @@ fn draw_note(plane: &Plane, note: &Note, root: &Area) -> Result<(), Box<dyn std:
     let (x, y) = plane.backend_coord(&(note.at[0], note.at[1]));
     let gap = 6 * FINE;
     let (at, anchor) = match note.side {
+        Side::Left => ((x - gap, y), Pos::new(HPos::Right, VPos::Center)),
         Side::Right => ((x + gap, y), Pos::new(HPos::Left, VPos::Center)),
         Side::Above => ((x, y - gap), Pos::new(HPos::Center, VPos::Bottom)),
         Side::Below => ((x, y + gap), Pos::new(HPos::Center, VPos::Top)),
@@ -150,7 +198,7 @@ fn draw_note(plane: &Plane, note: &Note, root: &Area) -> Result<(), Box<dyn std:
 fn draw_key(panel: &Panel, area: &Area) -> Result<(), Box<dyn std::error::Error>> {
     let y = TOP * FINE / 2;
     let left = Pos::new(HPos::Left, VPos::Center);
-    area.draw_text(panel.title, &font(TEXT, BLACK).pos(left), ((EDGE + LEFT) * FINE, y))?;
+    area.draw_text(&panel.title, &font(TEXT, BLACK).pos(left), ((EDGE + LEFT) * FINE, y))?;
     let mut x = area.dim_in_pixel().0 as i32 - RIGHT * FINE;
     for series in panel.series.iter().rev().filter(|series| series.in_key) {
         x -= width(&series.name);
@@ -177,6 +225,11 @@ fn draw_piece(series: &Series, area: &Area, (x, y): (i32, i32)) -> Result<(), Bo
             }
         }
         Look::Dots => area.draw(&Circle::new((x + PIECE * FINE / 2, y), DOT * FINE, colour.filled()))?,
+        Look::Rings => area.draw(&Circle::new((x + PIECE * FINE / 2, y), RING * FINE, pen(colour, 2)))?,
+        Look::Crosses => area.draw(&Cross::new((x + PIECE * FINE / 2, y), RING * FINE, pen(colour, 2)))?,
+        Look::Triangles => {
+            area.draw(&TriangleMarker::new((x + PIECE * FINE / 2, y), (DOT + 1) * FINE, colour.filled()))?
+        }
         Look::Region => {
             let (right, low, high) = (x + PIECE * FINE, y + 6 * FINE, y - 6 * FINE);
             let outline = vec![(x, low), (right, low), (right, high), (x, high), (x, low)];

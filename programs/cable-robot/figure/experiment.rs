@@ -39,7 +39,7 @@ pub fn figure_8() -> Result<Made> {
     findings.push(format!("{}, {} from Fig. 5 at most", rest_text(closed), apart_text(closed, &simulated)));
     findings.push(format!("loop open: {} set point(s), {}", open.set_points.len() - 1, open.arrival_text()));
     findings.push(format!("loop open: {}", rest_text(open)));
-    Ok(Made { chart: Chart { size: [1080, 620], columns: 2, panels }, findings })
+    Ok(Made { chart: Chart { size: [1080, 620], columns: 2, panels, caption: vec![] }, findings })
 }
 
 /// Where the robot is at the end, seen from its set point.
@@ -75,5 +75,5 @@ pub fn figure_9() -> Result<Made> {
         format!("loop closed: {}", closed.smallest_text()),
         format!("loop open: {}", open.smallest_text()),
     ];
-    Ok(Made { chart: Chart { size: [980, 660], columns: 1, panels }, findings })
+    Ok(Made { chart: Chart { size: [980, 660], columns: 1, panels, caption: vec![] }, findings })
 }

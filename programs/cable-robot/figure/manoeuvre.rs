@@ -41,7 +41,10 @@ pub fn figure_5() -> Result<Made> {
     let mut findings = run.set_point_lines();
     findings.push(run.arrival_text());
     findings.push(format!("set points 1 to 3 differ from those of Eq. (18) by {} m", differences.join(", ")));
-    Ok(Made { chart: Chart { size: [980, 600], columns: 1, panels: panels.into() }, findings })
+    Ok(Made {
+        chart: Chart { size: [980, 600], columns: 1, panels: panels.into(), caption: vec![] },
+        findings,
+    })
 }
 
 /// The six tensions, and cable 5 alone with what the closed-form responses ask for.
@@ -73,7 +76,10 @@ pub fn figure_6() -> Result<Made> {
             differences.fold(0.0, f64::max)
         ),
     ];
-    Ok(Made { chart: Chart { size: [980, 660], columns: 1, panels: vec![all, fifth] }, findings })
+    Ok(Made {
+        chart: Chart { size: [980, 660], columns: 1, panels: vec![all, fifth], caption: vec![] },
+        findings,
+    })
 }
 
 /// Tensions of Eq. (1) along the response (12) from rest at one set point to the next, N. A set point acts after the instant at which

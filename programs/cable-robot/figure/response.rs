@@ -15,7 +15,7 @@ const SAMPLES: u32 = 160;
 /// Left, x_s over time with its greatest value marked; right, that value over ξ.
 pub fn figure_2() -> Made {
     let mut response = Panel {
-        title: "x_s",
+        title: "x_s".to_owned(),
         x: Axis::new("ωₙ t", 0.0..TIME, 0),
         y: Axis::new("x_s = ẍ / ωₙ² (x₀ − x_d)", -1.0..0.2, 1),
         series: vec![],
@@ -33,7 +33,7 @@ pub fn figure_2() -> Made {
     let shown: Vec<_> = SHOWN.iter().map(|xi| [*xi, gains(*xi).z_m()]).collect();
     let note = |at: &[f64; 2]| Note::new(*at, Side::Right, COLOURS[4], format!("{:.5}", at[1]));
     let z_m = Panel {
-        title: "Z_M",
+        title: "Z_M".to_owned(),
         x: Axis::new("damping ratio ξ", 1.0..XI, 1),
         y: Axis::new("Z_M = max x_s", 0.0..0.15, 2),
         notes: shown.iter().map(note).collect(),
@@ -48,7 +48,7 @@ pub fn figure_2() -> Made {
         (gains(*xi).z_m() - highest).abs()
     });
     Made {
-        chart: Chart { size: [980, 380], columns: 2, panels: vec![response, z_m] },
+        chart: Chart { size: [980, 380], columns: 2, panels: vec![response, z_m], caption: vec![] },
         findings: vec![
             values.join(", "),
             format!(

@@ -4,7 +4,6 @@ mod outside;
 mod picture;
 mod show;
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail, ensure};
@@ -12,7 +11,7 @@ use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::orbit::{self, Figure, LOBES, OrbitError, Part, Proof, Refusal, SHARE, TURNS};
 use cable_robot::reach::Slice;
 use cable_robot::robot::{Coordinates, Pose, RigFile};
-use cable_robot_report::files::{probe, write_whole};
+use cable_robot_report::files::probe;
 use clap::{Args, ValueEnum, ValueHint};
 
 use self::outside::Outside;
@@ -112,8 +111,7 @@ impl Orbit {
         self.svg.as_deref().map_or(Ok(()), probe)?;
         let answer = self.answer(&parameters, &file, asked)?;
         if let Some(path) = &self.svg {
-            let svg = draw::svg(&picture::chart(&parameters.rig, &answer))?;
-            write_whole(path, |file| file.write_all(svg.as_bytes()))?;
+            draw::write(path, &picture::chart(&parameters.rig, &answer))?;
         }
         if self.json {
             print_json(&show::as_json(&answer, &parameters.rig))?;

@@ -1,19 +1,22 @@
 //! The picture of an orbit: its path over the static workspace, and the tensions in time.
 
-use std::ops::Range;
-
 use cable_robot::control::tensions;
 use cable_robot::robot::Rig;
-use nalgebra::Vector2;
 
 use super::Answer;
 use crate::command::figure::chart::{Axis, BLACK, COLOURS, Chart, GREY, Look, Note, Panel, Series, Side};
+use crate::command::plane::square;
 
 /// Points of a curve of tensions.
 const DRAWN: usize = 801;
 
 pub fn chart(rig: &Rig, answer: &Answer) -> Chart {
-    Chart { size: [1000, 476], columns: 2, panels: vec![plane(answer), in_time(rig, answer)] }
+    Chart {
+        size: [1000, 476],
+        columns: 2,
+        panels: vec![plane(answer), in_time(rig, answer)],
+        caption: vec![],
+    }
 }
 
 /// Where it is outside the static workspace the path is red.
@@ -31,9 +34,9 @@ fn plane(answer: &Answer) -> Panel {
         series.push(if k < 2 { piece.in_key() } else { piece });
     }
     let points = || border.iter().chain(path.iter().map(|(point, _)| point));
-    let [x, y] = square(points().map(|point| Vector2::from(*point)));
+    let [x, y] = square(points().copied());
     let (x, y) = (Axis::new("x (m)", x, 2), Axis::new("y (m)", y, 2));
-    Panel { title: "path", x, y, series, notes: vec![] }
+    Panel { title: "path".to_owned(), x, y, series, notes: vec![] }
 }
 
 /// The tensions that the motion asks for.
@@ -60,13 +63,4 @@ fn in_time(rig: &Rig, answer: &Answer) -> Panel {
         panel.series.push(Series::new(name, Look::Line, colour, points));
     }
     panel
-}
-
-/// Ranges of equal size about all points, for a square picture.
-fn square(points: impl Iterator<Item = Vector2<f64>> + Clone) -> [Range<f64>; 2] {
-    let corner =
-        |pick: fn(f64, f64) -> f64| points.clone().reduce(|a, b| a.zip_map(&b, pick)).unwrap_or_default();
-    let (low, high) = (corner(f64::min), corner(f64::max));
-    let (middle, half) = ((low + high) * 0.5, 0.55 * (high - low).max());
-    [middle.x - half..middle.x + half, middle.y - half..middle.y + half]
 }

@@ -1,5 +1,6 @@
 //! `cable-robot plan`: the set points to a goal, and what stands in the way of one that cannot be had.
 
+mod picture;
 mod show;
 mod through;
 
@@ -12,11 +13,14 @@ use cable_robot::plan::sequence::Sequence;
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
 use cable_robot::reach::certificate::{Margins, Step};
 use cable_robot::robot::{Coordinates, Pose, Rig};
+use cable_robot_report::files::probe;
 use clap::{Args, ValueHint};
 
 use crate::command::arguments::{planner, pose};
+use crate::command::figure::draw;
 use crate::command::rig::{RigArgument, require_below, require_rest};
 use crate::command::{Outcome, print, print_json, proof};
+use picture::Shown;
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot plan --from 0,0,1 --to 0.15,0.15,1
@@ -49,6 +53,9 @@ pub struct Plan {
     /// Folder, new or empty, for what proves each step from rest at one set point to the next, or the motion of planner minimum-time
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     proof: Option<PathBuf>,
+    /// Also draws the plan into this file: base, static workspace, set points and from each where the next may be
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    svg: Option<PathBuf>,
     /// Prints numbers for machines
     #[arg(long)]
     json: bool,
@@ -62,14 +69,15 @@ impl Plan {
             "--through is for --planner minimum-time: other planners stop at every set point"
         );
         let planner = if self.through.is_empty() { self.planner } else { fastest };
-        let (_, mut parameters) = self.rig.read_with_controller(planner)?;
+        let (file, mut parameters) = self.rig.read_with_controller(planner)?;
         (parameters.lift, parameters.max_tension_rate) = (self.lift, self.max_tension_rate);
         parameters.validate()?;
         require_rest(&parameters, "--from", &self.from)?;
         require_below(&parameters.rig, "--to", &self.to)?;
         self.proof.as_deref().map_or(Ok(()), prepare)?;
+        self.svg.as_deref().map_or(Ok(()), probe)?;
         if !self.through.is_empty() {
-            return through::run(self, &parameters);
+            return through::run(self, &file, &parameters);
         }
         let planned = Sequence::new(&parameters, &self.from, &self.to)?;
         if let Some(folder) = &self.proof {
@@ -79,6 +87,10 @@ impl Plan {
                 }
                 PlannerKind::Bounded | PlannerKind::Exact => self.prove(folder, &planned, &parameters)?,
             }
+        }
+        if let Some(path) = &self.svg {
+            let said = show::verdict(self, &planned, &parameters);
+            draw::write(path, &Shown::of(self, &file, &planned, &parameters, said).chart())?;
         }
         if self.json {
             print_json(&show::as_json(self, &planned, &parameters))?;

@@ -16,7 +16,12 @@ use super::Plan;
 use crate::command::metres;
 
 pub fn as_text(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> String {
-    let mut text = set_points(plan, planned);
+    set_points(plan, planned) + &verdict(plan, planned, parameters)
+}
+
+/// What comes of it, without the set points.
+pub fn verdict(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> String {
+    let mut text = String::new();
     if let Some((step, u)) = planned.smallest {
         let _ = writeln!(text, "smallest tension: {} in step {step}", described(&u));
     }
