@@ -13,6 +13,7 @@ mod modelica;
 mod orbit;
 mod outputs;
 mod packed;
+mod pages;
 mod proofs;
 mod report;
 mod scenarios;
