@@ -76,7 +76,7 @@ enum FmuTask {
     },
     /// Writes what ships in the FMUs to modelDescription/, where it can be read
     Describe,
-    /// Writes the licences of what is linked into the FMUs, which ship with them, and checks those of every package in Cargo.lock
+    /// Writes the licences of what is linked into the FMUs, which ship with them, and checks those of every package that is built, with whatever features
     Notices,
 }
 

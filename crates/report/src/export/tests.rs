@@ -122,6 +122,10 @@ fn what_happened_at_a_rig_is_a_log_in_order_of_time() {
         .iter()
         .map(|(time, log)| (*time, log["level"].as_u64().unwrap(), log["message"].as_str().unwrap()))
         .collect();
+    let bytes = read(folder.path().join("run.mcap")).unwrap();
+    let times: Vec<_> =
+        MessageStream::new(&bytes).unwrap().map(|message| message.unwrap().log_time).collect();
+    assert!(times.is_sorted(), "an event stands where it happened");
     let refused = (100_000_000, 3, "refused: too far");
     assert_eq!(said, [(0, 2, "state: Enabled"), refused, (300_000_000, 4, "fault: an encoder is silent")]);
 }
