@@ -3,6 +3,7 @@
 mod arguments;
 mod certify;
 mod completions;
+mod contours;
 mod figure;
 mod fmu;
 mod modelica;
@@ -239,7 +240,7 @@ fn number(value: f64) -> String {
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Writes a result for machines to stdout.
-fn print_json(value: &serde_json::Value) -> anyhow::Result<()> {
-    print(&serde_json::to_string_pretty(value)?)
+/// Writes a result for machines to stdout, fields in alphabetical order.
+fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&serde_json::to_string_pretty(&serde_json::to_value(result)?)?)
 }

@@ -37,7 +37,7 @@ pub fn run(simulate: &Simulate, name: &str) -> Result<Outcome> {
         return Ok(Outcome::Interrupted);
     };
     if simulate.json {
-        print_json(&cases.iter().map(Case::as_json).collect())?;
+        print_json(&cases.iter().map(Case::as_json).collect::<Vec<_>>())?;
     } else {
         print(&table(&cases))?;
     }
