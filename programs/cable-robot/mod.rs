@@ -96,7 +96,7 @@ enum Task {
     /// The paper's figures as SVG, PNG and CSV
     #[command(after_help = figure::EXAMPLE)]
     Figure(figure::Figure),
-    /// JSON Schema of a file that this program reads, for editors
+    /// JSON Schema of a file that this program reads, for editors, or of what a command prints with --json
     #[command(after_help = schema::EXAMPLE)]
     Schema(schema::Schema),
     /// Studies that back what is claimed about the reachable domains

@@ -1,6 +1,6 @@
 //! `cable-robot workspace`: where the cables can hold the platform at rest within their limits.
 
-mod answer;
+pub mod answer;
 
 use std::fmt::Write as _;
 use std::io::Write;

@@ -18,6 +18,7 @@ pub enum Answer {
 
 /// The static workspace at one height and orientation, in the base frame.
 #[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Workspace {
     /// The rig's name.
     rig: String,
@@ -27,6 +28,7 @@ pub struct Workspace {
 
 /// The static workspace at several heights or orientations, in the base frame.
 #[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Stack {
     /// The rig's name.
     rig: String,
@@ -36,6 +38,7 @@ pub struct Stack {
 
 /// Where the cables can hold the platform at rest within their limits, at one height and orientation.
 #[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Level {
     /// z of the centre of mass, m.
     height: f64,
@@ -55,6 +58,7 @@ pub struct Level {
 
 /// Where the margin is greatest.
 #[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Deepest {
     /// x, y, m.
     point: [f64; 2],
