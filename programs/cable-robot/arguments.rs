@@ -32,6 +32,35 @@ pub fn angles(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| format!("{count} numbers given; an orientation is roll,pitch,yaw (rad)"))
 }
 
+/// Most slices of a stack.
+const MOST_HEIGHTS: f64 = 100.0;
+
+/// Heights at equal distances, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heights {
+    pub from: f64,
+    pub to: f64,
+    pub count: usize,
+}
+
+impl Heights {
+    pub fn all(self) -> impl Iterator<Item = f64> {
+        let step = (self.to - self.from) / (self.count - 1) as f64;
+        (0..self.count).map(move |k| if k + 1 == self.count { self.to } else { self.from + step * k as f64 })
+    }
+}
+
+/// Reads `from,to,count`.
+pub fn heights(text: &str) -> Result<Heights, String> {
+    let [from, to, count] = numbers(text)?.try_into().map_err(|numbers: Vec<f64>| {
+        format!("{} numbers given; heights are from,to,how many (m, m, 2 to {MOST_HEIGHTS})", numbers.len())
+    })?;
+    if count.fract() != 0.0 || !(2.0..=MOST_HEIGHTS).contains(&count) {
+        return Err(format!("{count} heights: a whole number from 2 to {MOST_HEIGHTS} is wanted"));
+    }
+    Ok(Heights { from, to, count: count as usize })
+}
+
 /// More than a turn is no orientation that anybody means, but perhaps degrees.
 fn radians(angle: f64) -> Result<(), String> {
     let ok = angle.abs() <= std::f64::consts::TAU;

@@ -10,7 +10,8 @@ use cable_robot::reach::certificate::{Cause, Margins, Step, Verdict, certify_wit
 use cable_robot::robot::{CableSet, Coordinates, LEAST_CABLES, Pose, Rig};
 use cable_robot_report::files::probe;
 use clap::{Args, ValueHint};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::command::arguments::{bound, pose, rates, share};
 use crate::command::rig::RigArgument;
@@ -85,7 +86,7 @@ impl Certify {
         };
         let verdict = earliest(&file.rig, &step, decided);
         if self.json {
-            self.show_json(&verdict)?
+            print_json(&Answer::new(&verdict))?
         } else {
             self.show(&verdict, margins.are_none() && !is_of_six)?
         }
@@ -136,22 +137,72 @@ impl Certify {
             }
         })
     }
+}
 
-    fn show_json(&self, verdict: &Verdict) -> Result<()> {
-        print_json(&match verdict {
-            Verdict::Admissible { least, greatest, .. } => {
-                json!({"verdict": "admissible", "least": least, "greatest": greatest})
-            }
-            Verdict::NotAdmissible { cable, time, tension } => {
-                json!({"verdict": "not admissible", "cable": cable, "time": time, "tension": tension})
-            }
-            Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => {
-                json!({"verdict": "not admissible", "time": time, "shortfall": shortfall, "atLeast": at_least.numbers().collect::<Vec<_>>(), "atGreatest": at_greatest.numbers().collect::<Vec<_>>()})
-            }
+/// What is proved of a step.
+#[derive(Serialize, JsonSchema)]
+#[serde(tag = "verdict", rename_all_fields = "camelCase")]
+#[schemars(deny_unknown_fields)]
+pub enum Answer {
+    /// No tension leaves its limits; of more than six cables: there are such tensions at all times.
+    #[serde(rename = "admissible")]
+    Admissible {
+        /// Lower bound of all tensions for all time, N.
+        least: f64,
+        /// Upper bound, N.
+        greatest: f64,
+    },
+    /// A tension breaks a limit.
+    #[serde(rename = "not admissible")]
+    NotAdmissible {
+        /// The cable, from 1.
+        cable: usize,
+        /// After the set point was given, s.
+        time: f64,
+        /// N.
+        tension: f64,
+    },
+    /// More than six cables: at an instant no tensions keep the limits.
+    #[serde(rename = "not admissible")]
+    NoDistribution {
+        /// After the set point was given, s.
+        time: f64,
+        /// By how much they break them at best, N; null if it is beyond all numbers.
+        shortfall: Option<f64>,
+        /// Cables whose least tension forbids it, from 1.
+        at_least: Vec<usize>,
+        /// Cables whose greatest tension forbids it, from 1.
+        at_greatest: Vec<usize>,
+    },
+    /// Neither is proved.
+    #[serde(rename = "undecided")]
+    Undecided {
+        /// After the set point was given, s: where it is not known.
+        time: f64,
+        /// Length of the spans looked at there, s; null for all time from there on.
+        resolution: Option<f64>,
+        /// Why.
+        #[schemars(extend("enum" = ["Singular", "TooClose", "Effort", "HalfTurn", "GimbalLock"]))]
+        cause: String,
+    },
+}
+
+impl Answer {
+    fn new(verdict: &Verdict) -> Self {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        match *verdict {
+            Verdict::Admissible { least, greatest, .. } => Self::Admissible { least, greatest },
+            Verdict::NotAdmissible { cable, time, tension } => Self::NotAdmissible { cable, time, tension },
+            Verdict::NoDistribution { time, shortfall, at_least, at_greatest } => Self::NoDistribution {
+                time,
+                shortfall: finite(shortfall),
+                at_least: at_least.numbers().collect(),
+                at_greatest: at_greatest.numbers().collect(),
+            },
             Verdict::Undecided { time, resolution, cause } => {
-                json!({"verdict": "undecided", "time": time, "resolution": resolution, "cause": format!("{cause:?}")})
+                Self::Undecided { time, resolution: finite(resolution), cause: format!("{cause:?}") }
             }
-        })
+        }
     }
 }
 

@@ -5,6 +5,7 @@ mod certify;
 mod completions;
 #[cfg(feature = "export")]
 mod export;
+mod contours;
 mod figure;
 mod fmu;
 mod modelica;
@@ -101,7 +102,7 @@ enum Task {
     /// The paper's figures as SVG, PNG and CSV
     #[command(after_help = figure::EXAMPLE)]
     Figure(figure::Figure),
-    /// JSON Schema of a file that this program reads, for editors
+    /// JSON Schema of a file that this program reads, for editors, or of what a command prints with --json
     #[command(after_help = schema::EXAMPLE)]
     Schema(schema::Schema),
     /// Studies that back what is claimed about the reachable domains
@@ -247,7 +248,7 @@ fn number(value: f64) -> String {
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Writes a result for machines to stdout.
-fn print_json(value: &serde_json::Value) -> anyhow::Result<()> {
-    print(&serde_json::to_string_pretty(value)?)
+/// Writes a result for machines to stdout, fields in alphabetical order.
+fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&serde_json::to_string_pretty(&serde_json::to_value(result)?)?)
 }

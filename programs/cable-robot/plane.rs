@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use cable_robot::robot::{Pose, Rig};
 use nalgebra::{Vector2, Vector3};
+use plotters::style::RGBColor;
 
-use crate::command::figure::chart::{Axis, BLACK, Chart, GREY, Look, Note, Panel, Series, Side};
+use crate::command::figure::chart::{Axis, Chart, GREY, Look, Note, Panel, Series, Side};
 use crate::command::figure::draw::caption_height;
 use crate::command::number;
 
@@ -111,11 +112,12 @@ pub fn anchors(rig: &Rig, view: View) -> Vec<([f64; 2], String)> {
 /// Draws the anchors, named after their cables.
 pub fn draw_base(panel: &mut Panel, rig: &Rig, view: View) {
     let anchors = anchors(rig, view);
-    let middle = panel.x.range.start.midpoint(panel.x.range.end);
+    let middle = panel.y.range.start.midpoint(panel.y.range.end);
     for (at, cables) in &anchors {
         let text = format!("{} {cables}", if cables.contains(',') { "cables" } else { "cable" });
-        // To the side where there is room.
-        let side = if at[0] > middle { Side::Left } else { Side::Right };
+        // Away from what the cables carry.
+        let is_above = (at[1] >= middle) == (panel.y.range.end > panel.y.range.start);
+        let side = if is_above { Side::Above } else { Side::Below };
         panel.notes.push(Note::new(*at, side, GREY, text));
     }
     let points = anchors.into_iter().map(|(at, _)| at).collect();
@@ -129,12 +131,12 @@ pub fn name_in_key(panel: &mut Panel, names: &[&str]) {
 }
 
 /// Names points, the first ones above all: no name where one is near already.
-pub fn name_points(panel: &mut Panel, points: impl Iterator<Item = ([f64; 2], String)>) {
+pub fn name_points(panel: &mut Panel, colour: RGBColor, points: impl Iterator<Item = ([f64; 2], String)>) {
     let near = NEAR * (panel.x.range.end - panel.x.range.start);
     let mut named: Vec<[f64; 2]> = vec![];
     for (at, name) in points {
         if named.iter().all(|other| gap(other, &at) > near) {
-            panel.notes.push(Note::new(at, Side::Right, BLACK, name));
+            panel.notes.push(Note::new(at, Side::Right, colour, name));
             named.push(at);
         }
     }
@@ -187,6 +189,7 @@ mod tests {
     use cable_robot::robot::RigFile;
 
     use super::*;
+    use crate::command::figure::chart::BLACK;
 
     /// A picture of a rig whose z points up said that it is seen from below.
     #[test]

@@ -11,7 +11,8 @@ use cable_robot::robot::{Pose, RigFile, Shape};
 use cable_robot_report::files::probe;
 use clap::{Args, ValueHint};
 use nalgebra::Vector2;
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::command::arguments::pose;
 use crate::command::figure::chart::{BLACK, COLOURS, Chart, GREY, Look, Series};
@@ -77,7 +78,7 @@ impl Reach {
             draw::write(path, &picture(&file, &self.from, &vertices, tried.as_ref()))?;
         }
         if self.json {
-            print_json(&as_json(&self.from, &vertices, tried.as_ref()))?;
+            print_json(&Answer::new(&self.from, &vertices, tried.as_ref()))?;
         } else {
             print(&as_text(&self.from, &vertices, tried.as_ref()))?;
         }
@@ -161,16 +162,45 @@ fn picture(file: &RigFile, from: &Pose, vertices: &[Vector2<f64>], tried: Option
     plane::chart(panels.into(), 2, &text)
 }
 
-fn as_json(from: &Pose, vertices: &[Vector2<f64>], tried: Option<&Tried>) -> serde_json::Value {
-    let point = |p: &Vector2<f64>| [p.x, p.y];
-    json!({
-        "from": from.0.as_slice(),
-        "vertices": vertices.iter().map(point).collect::<Vec<_>>(),
-        "to": tried.map(|tried| json!({
-            "point": point(&tried.to),
-            "admissible": tried.admissible,
-            "farthest": point(&tried.farthest),
-            "forbiddenBy": tried.forbidden_by,
-        })),
-    })
+/// The domain (15) of a step from rest: the set points at the same height that slacken no cable.
+#[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct Answer {
+    /// Where the platform rests: x, y, z (m), roll, pitch, yaw (rad), base frame.
+    from: [f64; 6],
+    /// x, y of the domain's corners in order, m.
+    vertices: Vec<[f64; 2]>,
+    /// What becomes of the set point `--to`; null if none was given.
+    to: Option<AnswerTo>,
+}
+
+/// What becomes of a set point.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+#[schemars(deny_unknown_fields)]
+pub struct AnswerTo {
+    /// The set point: x, y, m.
+    point: [f64; 2],
+    /// Whether it lies in the domain.
+    admissible: bool,
+    /// Where the domain ends in its direction: x, y, m.
+    farthest: [f64; 2],
+    /// The cable that forbids it, from 1; null if none does.
+    forbidden_by: Option<usize>,
+}
+
+impl Answer {
+    fn new(from: &Pose, vertices: &[Vector2<f64>], tried: Option<&Tried>) -> Self {
+        let point = |p: &Vector2<f64>| [p.x, p.y];
+        Self {
+            from: from.0.into(),
+            vertices: vertices.iter().map(point).collect(),
+            to: tried.map(|tried| AnswerTo {
+                point: point(&tried.to),
+                admissible: tried.admissible,
+                farthest: point(&tried.farthest),
+                forbidden_by: tried.forbidden_by,
+            }),
+        }
+    }
 }

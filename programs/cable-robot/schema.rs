@@ -1,11 +1,13 @@
-//! `cable-robot schema`: what a file may say, as JSON Schema.
+//! `cable-robot schema`: what a file may say and what commands print with `--json`, as JSON Schema.
 
 use anyhow::Result;
 use cable_robot::robot::rig_file;
 use cable_robot::sim::scenario_file;
 use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 
-use crate::command::{Outcome, print_json, proof};
+use crate::command::{Outcome, certify, plan, print_json, proof, reach, simulate, tensions, workspace};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot schema rig
@@ -13,7 +15,7 @@ An editor with Taplo (\"Even Better TOML\") checks a file whose first line is `#
 
 #[derive(Args)]
 pub struct Schema {
-    /// Which file
+    /// Which file, or whose result
     of: Kind,
 }
 
@@ -25,6 +27,18 @@ enum Kind {
     Scenario,
     /// What `certify --proof` writes
     Proof,
+    /// What `plan --json` prints
+    Plan,
+    /// What `reach --json` prints
+    Reach,
+    /// What `certify --json` prints
+    Certify,
+    /// What `workspace --json` prints
+    Workspace,
+    /// What `simulate --json` prints
+    Simulate,
+    /// What `tensions --json` prints
+    Tensions,
 }
 
 impl Schema {
@@ -33,7 +47,18 @@ impl Schema {
             Kind::Rig => rig_file::schema().to_value(),
             Kind::Scenario => scenario_file::schema().to_value(),
             Kind::Proof => proof::schema().to_value(),
+            Kind::Plan => printed::<plan::answer::Answer>(),
+            Kind::Reach => printed::<reach::Answer>(),
+            Kind::Certify => printed::<certify::Answer>(),
+            Kind::Workspace => printed::<workspace::answer::Answer>(),
+            Kind::Simulate => printed::<simulate::answer::OneOrSeveral>(),
+            Kind::Tensions => printed::<tensions::Answer>(),
         })?;
         Ok(Outcome::Done)
     }
+}
+
+/// Of what is only written: every field is there.
+fn printed<T: JsonSchema>() -> serde_json::Value {
+    SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>().to_value()
 }

@@ -5,9 +5,10 @@ use std::fmt::Write;
 use anyhow::{Result, bail};
 use cable_robot::control::distribution::{Solutions, share, widest_margin};
 use cable_robot::robot::dynamics::required_wrench;
-use cable_robot::robot::{Coordinates, LEAST_CABLES, PerCable, Pose, Rig};
+use cable_robot::robot::{Cable, Coordinates, LEAST_CABLES, PerCable, Pose, Rig};
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::command::arguments::{accelerations, pose, rates};
 use crate::command::rig::RigArgument;
@@ -67,7 +68,7 @@ impl Tensions {
             bail!("the wrench matrix is singular there: there is a force or torque that no tensions give")
         };
         if self.json {
-            print_json(&self.as_json(&file.name, &file.rig, &pose, &found))?;
+            print_json(&Answer::new(&file.name, &file.rig, &pose, &found))?;
         } else {
             print(&self.as_text(&file.rig, &found))?;
         }
@@ -129,30 +130,60 @@ impl Tensions {
         };
         text
     }
+}
 
-    fn as_json(&self, name: &str, rig: &Rig, pose: &Pose, found: &Found) -> serde_json::Value {
+/// Lengths and tensions of the cables at a pose.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+#[schemars(deny_unknown_fields)]
+pub struct Answer {
+    /// The rig's name.
+    rig: String,
+    /// Of the centre of mass: x, y, z (m), roll, pitch, yaw (rad), base frame; R = Rz(yaw) Ry(pitch) Rx(roll).
+    pose: [f64; 6],
+    /// One a cable, in their order.
+    cables: Vec<AnswerCable>,
+    /// The least distance of a tension to its limit, N; below 0 if one is broken.
+    margin: f64,
+    /// The greatest that it is with any distribution, N; null if there is no greatest.
+    widest_margin: Option<f64>,
+    /// Whether every tension is within its limits.
+    feasible: bool,
+}
+
+/// A cable.
+#[derive(Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct AnswerCable {
+    /// Its number, from 1.
+    cable: usize,
+    /// m.
+    length: f64,
+    /// N.
+    tension: f64,
+    /// Its least tension, N.
+    min: f64,
+    /// Its greatest tension, N; null for no limit.
+    max: Option<f64>,
+}
+
+impl Answer {
+    fn new(name: &str, rig: &Rig, pose: &Pose, found: &Found) -> Self {
         let limit = |max: f64| max.is_finite().then_some(max);
-        let cables: Vec<_> = rig
-            .cables
-            .iter()
-            .enumerate()
-            .map(|(i, cable)| {
-                json!({
-                    "cable": i + 1,
-                    "length": found.length[i],
-                    "tension": found.tension[i],
-                    "min": cable.limits.min,
-                    "max": limit(cable.limits.max),
-                })
-            })
-            .collect();
-        json!({
-            "rig": name,
-            "pose": pose.0.as_slice(),
-            "cables": cables,
-            "margin": found.margin,
-            "widestMargin": limit(found.widest),
-            "feasible": found.margin >= 0.0,
-        })
+        let cable = |(i, cable): (usize, &Cable)| AnswerCable {
+            cable: i + 1,
+            length: found.length[i],
+            tension: found.tension[i],
+            min: cable.limits.min,
+            max: limit(cable.limits.max),
+        };
+        Self {
+            rig: name.to_owned(),
+            pose: pose.0.into(),
+            cables: rig.cables.iter().enumerate().map(cable).collect(),
+            margin: found.margin,
+            widest_margin: limit(found.widest),
+            feasible: found.margin >= 0.0,
+        }
     }
 }

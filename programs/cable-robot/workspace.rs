@@ -1,7 +1,9 @@
 //! `cable-robot workspace`: where the cables can hold the platform at rest within their limits.
 
+pub mod answer;
+
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
@@ -12,15 +14,16 @@ use cable_robot_report::facts::limits;
 use cable_robot_report::files::{probe, write_whole};
 use clap::Args;
 use nalgebra::{Vector2, Vector3};
-use serde_json::json;
 
-use crate::command::arguments::{angles, finite};
+use crate::command::arguments::{Heights, angles, finite, heights};
+use crate::command::figure::draw;
 use crate::command::progress::Progress;
 use crate::command::rig::RigArgument;
-use crate::command::{Outcome, metres, number, picture, print, print_json};
+use crate::command::{Outcome, metres, number, picture, plane, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot workspace --height 0.7 --svg workspace.svg
+         cable-robot workspace --heights 0.6,1.4,3 --orientation 0,0,0 --orientation 0,0.1,0 --svg workspace.svg --csv margins.csv
 With a rig file, here one that comes with the project: cable-robot workspace --rig rigs/eight.toml --height 2
 Exit code 3: the cables hold the platform nowhere at that height and orientation.";
 
@@ -28,6 +31,8 @@ Exit code 3: the cables hold the platform nowhere at that height and orientation
 const GRID: usize = 61;
 /// Rays to the border.
 const RAYS: usize = 360;
+/// Slices that are looked at, at most: about a minute.
+const MOST_SLICES: usize = 100;
 /// What counts as straight, m.
 const STRAIGHT: f64 = 1e-6;
 
@@ -43,15 +48,21 @@ pub struct Workspace {
     /// z of the centre of mass, m; without it that of the rig's home
     #[arg(long, value_parser = finite, allow_hyphen_values = true)]
     height: Option<f64>,
-    /// roll,pitch,yaw in rad, R = Rz(yaw) Ry(pitch) Rx(roll)
+    /// Several heights, from,to,how many: m, m, at equal distances
+    #[arg(long, value_parser = heights, allow_hyphen_values = true, value_name = "FROM,TO,N", conflicts_with = "height")]
+    heights: Option<Heights>,
+    /// roll,pitch,yaw in rad, R = Rz(yaw) Ry(pitch) Rx(roll); may be given several times
     #[arg(long, value_parser = angles, default_value = "0,0,0", allow_hyphen_values = true)]
-    orientation: [f64; 3],
+    orientation: Vec<[f64; 3]>,
     /// Prints numbers for machines instead of the picture
     #[arg(long)]
     json: bool,
-    /// Also draws the workspace into this file
+    /// Also draws the workspace into this file, with lines of equal margin, a panel a height and orientation
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// Also writes the margins into this file, a row a point: x, y, z (m), roll, pitch, yaw (rad), margin (N, below 0 outside)
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
 }
 
 /// The workspace at one height and orientation.
@@ -71,38 +82,106 @@ pub struct Found {
 impl Workspace {
     pub fn run(&self) -> Result<Outcome> {
         let file = self.rig.read()?;
-        let height = self.height.unwrap_or(file.home.0[2]);
-        let slice = Slice { rig: &file.rig, height, angles: Vector3::from(self.orientation) };
-        let (low, high) = slice.extent();
-        let highest = FARTHEST * (high - low).max();
-        ensure!(
-            height.abs() <= highest,
-            "--height {}: the cables are as good as parallel there; at most {} m makes sense for this rig",
-            number(height),
-            number(highest.round())
-        );
-        self.svg.as_deref().map_or(Ok(()), probe)?;
-        let progress = Progress::new("looking", 2 * GRID as u64);
-        let found = find(&slice, &file, || progress.done(1));
+        let slices = self.slices(&file)?;
+        [&self.svg, &self.csv].into_iter().flatten().try_for_each(|path| probe(path))?;
+        let progress = Progress::new("looking", (2 * GRID * slices.len()) as u64);
+        let look = |slice: Slice<'_>| find(&slice, &file, || progress.done(1));
+        let found: Vec<_> = slices.iter().cloned().map(look).collect();
         drop(progress);
+        let found: Vec<_> = slices.into_iter().zip(found).collect();
         if let Some(path) = &self.svg {
-            let svg = picture::svg(&file.name, &slice, found.as_ref());
-            write_whole(path, |file| file.write_all(svg.as_bytes()))?;
+            draw::write(path, &picture::chart(&file.name, &found))?;
         }
-        if self.json {
-            print_json(&as_json(&file.name, &slice, found.as_ref()))?;
-        } else {
-            print(&as_text(&file.name, &slice, found.as_ref()))?;
+        if let Some(path) = &self.csv {
+            write_whole(path, |to| write_csv(&found, to))?;
         }
-        let Some(found) = found else { return Ok(Outcome::NotReachable) };
-        if found.unseen > WORTH_SAYING {
-            crate::command::say(format_args!(
-                "cable-robot: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
-                100.0 * found.unseen
-            ));
+        match (&found[..], self.json) {
+            ([(slice, found)], true) => {
+                print_json(&answer::Workspace::new(&file.name, slice, found.as_ref()))?
+            }
+            ([(slice, found)], false) => print(&as_text(&file.name, slice, found.as_ref()))?,
+            (_, true) => print_json(&answer::Stack::new(&file.name, &found))?,
+            (_, false) => print(&table(&file, &found))?,
         }
+        if found.iter().all(|(_, found)| found.is_none()) {
+            return Ok(Outcome::NotReachable);
+        }
+        found
+            .iter()
+            .filter_map(|(slice, found)| Some((slice, found.as_ref()?)))
+            .for_each(|(s, f)| warn(s, f));
         Ok(Outcome::Done)
     }
+
+    /// Every height with every orientation.
+    fn slices<'a>(&self, file: &'a RigFile) -> Result<Vec<Slice<'a>>> {
+        let (name, heights) = match self.heights {
+            Some(heights) => ("--heights", heights.all().collect()),
+            None => ("--height", vec![self.height.unwrap_or(file.home.0[2])]),
+        };
+        let mut slices = vec![];
+        for height in heights {
+            for orientation in &self.orientation {
+                let slice = Slice { rig: &file.rig, height, angles: Vector3::from(*orientation) };
+                let (low, high) = slice.extent();
+                let highest = FARTHEST * (high - low).max();
+                ensure!(
+                    height.abs() <= highest,
+                    "{name} {}: the cables are as good as parallel there; at most {} m makes sense for this rig",
+                    number(height),
+                    number(highest.round())
+                );
+                slices.push(slice);
+            }
+        }
+        ensure!(
+            slices.len() <= MOST_SLICES,
+            "--heights and --orientation: {} slices, at most {MOST_SLICES} are looked at",
+            slices.len()
+        );
+        Ok(slices)
+    }
+}
+
+/// Says what part of a workspace the border leaves out.
+fn warn(slice: &Slice, found: &Found) {
+    if found.unseen > WORTH_SAYING {
+        crate::command::say(format_args!(
+            "cable-robot: {}: {:.1} % of the workspace cannot be seen from its deepest point and lie outside the border given",
+            plane::level_of(&slice.pose(&Vector2::zeros())),
+            100.0 * found.unseen
+        ));
+    }
+}
+
+/// A row a point of each slice's grid.
+fn write_csv(slices: &[(Slice, Option<Found>)], to: &mut impl Write) -> std::io::Result<()> {
+    writeln!(to, "x,y,z,roll,pitch,yaw,margin")?;
+    for (slice, found) in slices {
+        for (point, margin) in found.iter().flat_map(|found| found.grid.points()) {
+            let place: Vec<_> = slice.pose(&point).0.iter().map(f64::to_string).collect();
+            writeln!(to, "{},{margin}", place.join(","))?;
+        }
+    }
+    Ok(())
+}
+
+/// A row a slice.
+fn table(file: &RigFile, slices: &[(Slice, Option<Found>)]) -> String {
+    let mut text = format!("{}: tensions {}\n", file.name, limits(&file.rig));
+    text +=
+        "    z (m)  roll (rad)      pitch        yaw   area (m²)  greatest margin (N) at x (m)     y (m)\n";
+    for (slice, found) in slices {
+        let [roll, pitch, yaw] = [0, 1, 2].map(|k| metres(slice.angles[k]));
+        let place = format!("{}   {roll}  {pitch}  {yaw}", metres(slice.height));
+        let _ = match found {
+            Some(Found { area, deepest: (at, margin), .. }) => {
+                writeln!(text, "{place}   {area:9.4}  {margin:19.3} {} {}", metres(at.x), metres(at.y))
+            }
+            None => writeln!(text, "{place}       empty"),
+        };
+    }
+    text
 }
 
 /// `None` where the cables cannot hold the platform at any point of the grid, nor at the rig's home.
@@ -190,18 +269,4 @@ fn as_text(name: &str, slice: &Slice, found: Option<&Found>) -> String {
         let _ = writeln!(text, "\nborder: {count} points (--json lists them)");
     }
     text
-}
-
-fn as_json(name: &str, slice: &Slice, found: Option<&Found>) -> serde_json::Value {
-    let point = |p: &Vector2<f64>| [p.x, p.y];
-    json!({
-        "rig": name,
-        "height": slice.height,
-        "orientation": slice.angles.as_slice(),
-        "empty": found.is_none(),
-        "area": found.map_or(0.0, |found| found.area),
-        "vertices": found.map_or(vec![], |found| found.corners.iter().map(point).collect()),
-        "deepest": found.map(|found| json!({ "point": point(&found.deepest.0), "margin": found.deepest.1 })),
-        "unseen": found.map_or(0.0, |found| found.unseen),
-    })
 }

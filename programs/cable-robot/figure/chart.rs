@@ -78,6 +78,8 @@ pub struct Series {
 pub enum Look {
     Line,
     Thin,
+    /// Each point with an odd place joined to the next.
+    Pieces,
     Dashed,
     Dots,
     Rings,
@@ -97,7 +99,6 @@ pub struct Note {
 
 #[derive(Clone, Copy)]
 pub enum Side {
-    Left,
     Right,
     Above,
     Below,

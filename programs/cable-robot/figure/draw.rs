@@ -162,6 +162,11 @@ fn draw_series(plane: &mut Plane, series: &Series) -> Result<(), Box<dyn std::er
     match series.look {
         Look::Line => plane.draw_series(LineSeries::new(points, pen(colour, LINE)))?,
         Look::Thin => plane.draw_series(LineSeries::new(points, pen(colour, 1)))?,
+        Look::Pieces => {
+            let points: Vec<_> = points.collect();
+            let piece = |piece: &[(f64, f64)]| PathElement::new(piece.to_vec(), pen(colour, 2));
+            plane.draw_series(points.chunks_exact(2).map(piece))?
+        }
         Look::Dashed => {
             plane.draw_series(DashedLineSeries::new(points, DASH * FINE, GAP * FINE, pen(colour, 1)))?
         }
@@ -185,7 +190,6 @@ fn draw_note(plane: &Plane, note: &Note, root: &Area) -> Result<(), Box<dyn std:
     let (x, y) = plane.backend_coord(&(note.at[0], note.at[1]));
     let gap = 6 * FINE;
     let (at, anchor) = match note.side {
-        Side::Left => ((x - gap, y), Pos::new(HPos::Right, VPos::Center)),
         Side::Right => ((x + gap, y), Pos::new(HPos::Left, VPos::Center)),
         Side::Above => ((x, y - gap), Pos::new(HPos::Center, VPos::Bottom)),
         Side::Below => ((x, y + gap), Pos::new(HPos::Center, VPos::Top)),
@@ -218,7 +222,7 @@ fn draw_piece(series: &Series, area: &Area, (x, y): (i32, i32)) -> Result<(), Bo
     };
     match series.look {
         Look::Line => area.draw(&line(0, PIECE, LINE))?,
-        Look::Thin => area.draw(&line(0, PIECE, 1))?,
+        Look::Thin | Look::Pieces => area.draw(&line(0, PIECE, 1))?,
         Look::Dashed => {
             for dash in 0..2 {
                 area.draw(&line(dash * (DASH + GAP), DASH, 1))?;

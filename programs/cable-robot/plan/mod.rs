@@ -1,5 +1,6 @@
 //! `cable-robot plan`: the set points to a goal, and what stands in the way of one that cannot be had.
 
+pub mod answer;
 mod picture;
 mod show;
 mod through;
@@ -93,7 +94,7 @@ impl Plan {
             draw::write(path, &Shown::of(self, &file, &planned, &parameters, said).chart())?;
         }
         if self.json {
-            print_json(&show::as_json(self, &planned, &parameters))?;
+            print_json(&answer::SetPoints::new(self, &planned, &parameters))?;
         } else {
             print(&show::as_text(self, &planned, &parameters))?;
         }

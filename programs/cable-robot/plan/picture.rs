@@ -168,7 +168,7 @@ impl<'a> Shown<'a> {
         let set_points = self.points.iter().enumerate().skip(1).map(|(i, pose)| (at(pose), i.to_string()));
         let ends = [(at(&self.points[0]), "start".to_owned()), (at(&self.goal), "goal".to_owned())];
         plane::name_in_key(panel, &["goal", "nearest", "least tension"]);
-        plane::name_points(panel, ends.into_iter().chain(set_points));
+        plane::name_points(panel, BLACK, ends.into_iter().chain(set_points));
     }
 }
 

@@ -10,7 +10,6 @@ use cable_robot::plan::sequence::{MOST_SET_POINTS, Obstacle, Sequence};
 use cable_robot::robot::Pose;
 use cable_robot::robot::pose::PITCH;
 use cable_robot_report::facts::limits;
-use serde_json::{Value, json};
 
 use super::Plan;
 use crate::command::metres;
@@ -147,45 +146,6 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
     } else if obstacle.broken.is_some() && obstacle.is_tight {
         *text += "  at rest no limit is broken between there and the goal, but less than the planner keeps, 0.17 % of the weight, is left\n";
     }
-}
-
-pub fn as_json(plan: &Plan, planned: &Sequence, parameters: &ControllerParameters) -> Value {
-    let smallest = planned.smallest.map(|(step, u)| json!({ "step": step, "at": tension(&u) }));
-    let obstacle = planned.obstacle.as_ref().map(|obstacle| {
-        json!({
-            "goalSingular": obstacle.singular,
-            "keptByMaxTensionRate": obstacle.is_kept_by_rate,
-            "firstOutside": obstacle.broken.and_then(|broken| broken.first_outside).map(|u| tension(&u)),
-            "smallest": obstacle.broken.map(|broken| tension(&broken.smallest)),
-            "greatest": obstacle.broken.map(|broken| tension(&broken.greatest)),
-            "nearest": obstacle.nearest.map(|nearest| json!({
-                "pose": pose(&nearest),
-                "distance": distance(plan, parameters, &nearest),
-            })),
-            "barrier": obstacle.barrier.map(|(limit, at)| json!({
-                "cable": limit.cable,
-                "limit": limit.limit,
-                "pose": pose(&at),
-            })),
-        })
-    });
-    json!({
-        "from": pose(&plan.from),
-        "to": pose(&plan.to),
-        "reachable": if planned.given_up { Value::Null } else { planned.is_complete().into() },
-        "setPoints": planned.set_points.iter().map(pose).collect::<Vec<_>>(),
-        "smallestTension": smallest,
-        "duration": planned.duration,
-        "obstacle": obstacle,
-    })
-}
-
-pub fn pose(pose: &Pose) -> Vec<f64> {
-    pose.0.as_slice().to_vec()
-}
-
-pub fn tension(u: &TensionAt) -> Value {
-    json!({ "cable": u.cable, "tension": u.tension, "time": u.time, "pose": pose(&u.pose) })
 }
 
 /// From a pose to the goal, m.

@@ -6,11 +6,10 @@ use anyhow::Result;
 use cable_robot::plan::ControllerParameters;
 use cable_robot::plan::through::{NoWay, Through};
 use cable_robot::robot::{Pose, RigFile};
-use serde_json::{Value, json};
 
 use super::picture::{Shown, path_of};
-use super::show::{described, pose, tension};
-use super::{Plan, prove_motion};
+use super::show::described;
+use super::{Plan, answer, prove_motion};
 use crate::command::figure::draw;
 use crate::command::rig::require_below;
 use crate::command::{Outcome, metres, print, print_json};
@@ -26,7 +25,7 @@ pub fn run(plan: &Plan, file: &RigFile, parameters: &ControllerParameters) -> Re
     }
     match (&found, plan.json) {
         (Err(NoWay::Poses), _) => return Err(NoWay::Poses.into()),
-        (_, true) => print_json(&as_json(&poses, &found))?,
+        (_, true) => print_json(&answer(&poses, &found))?,
         (_, false) => print(&as_text(&poses, &found))?,
     }
     if let Some(path) = &plan.svg {
@@ -82,14 +81,14 @@ fn verdict(found: &Result<Through, NoWay>) -> String {
     }
 }
 
-fn as_json(poses: &[Pose], found: &Result<Through, NoWay>) -> Value {
-    let at = |(at, time)| json!({ "pose": pose(at), "time": time });
-    let passes = |found: &Through| poses.iter().zip(times(found)).map(at).collect::<Vec<_>>();
-    json!({
-        "reachable": found.is_ok(),
-        "passes": found.as_ref().ok().map(passes),
-        "duration": found.as_ref().ok().map(|found| found.course.end()),
-        "smallestTension": found.as_ref().ok().map(|found| tension(&found.smallest)),
-        "obstacle": found.as_ref().err().map(NoWay::to_string),
-    })
+fn answer(poses: &[Pose], found: &Result<Through, NoWay>) -> answer::Through {
+    let made = found.as_ref().ok();
+    let pass = |(at, time)| answer::Pass { pose: answer::pose(at), time };
+    answer::Through {
+        reachable: made.is_some(),
+        passes: made.map(|made| poses.iter().zip(times(made)).map(pass).collect()),
+        duration: made.map(|made| made.course.end()),
+        smallest_tension: made.map(|made| answer::Tension::new(&made.smallest)),
+        obstacle: found.as_ref().err().map(NoWay::to_string),
+    }
 }

@@ -1,5 +1,6 @@
 //! `cable-robot simulate`: a scenario, run.
 
+pub mod answer;
 mod interruption;
 mod record;
 pub mod settings;
@@ -318,7 +319,7 @@ impl Simulate {
         // Nothing depends on whether stderr is read.
         let _ = write!(std::io::stderr(), "{}", plain(&summary.as_text()));
         if self.json {
-            print_json(&summary.as_json())?;
+            print_json(&summary.answer())?;
         }
         Ok((summary.status(), summary.is_slack()))
     }

@@ -3,10 +3,11 @@
 use cable_robot::plan::Status;
 use cable_robot::robot::Pose;
 use cable_robot::sim::Scenario;
+use cable_robot::sim::scenario::Goal;
 use cable_robot_report::facts::slack_in_words;
 use cable_robot_report::{RunFolder, RunInfo, SetPoint, Table, TableError};
-use serde_json::{Value, json};
 
+use super::answer::{Answer, AnswerGoal, AnswerSetPoint, AnswerSlack, AnswerTension};
 use crate::command::metres;
 
 /// Set points shown at either end of a long list.
@@ -123,30 +124,39 @@ impl<'a> Summary<'a> {
     }
 
     /// For machines.
-    pub fn as_json(&self) -> Value {
+    pub fn answer(&self) -> Answer {
         let summary = &self.came_to;
-        let set_points = summary.set_points.iter().zip(&self.angles).map(
-            |(point, angles)| json!({ "time": point.time, "position": point.position, "angles": angles }),
-        );
-        let goals = self.scenario.goals.iter().enumerate().map(|(k, goal)| {
-            let [position, angles]: [[f64; 3]; 2] = [goal.pose.position().into(), goal.pose.angles().into()];
-            json!({ "time": goal.time, "position": position, "angles": angles, "reached": self.reached[k] })
-        });
-        json!({
-            "title": self.scenario.title,
-            "endTime": self.end(),
-            "setPoints": self.tells_of_set_points().then(|| set_points.collect::<Vec<_>>()),
-            "goals": goals.collect::<Vec<_>>(),
-            "smallestTension": summary.smallest_tension.map(|u| {
-                json!({ "cable": u.cable, "tension": u.value, "time": u.time })
+        let set_point = |(point, angles): (&SetPoint, &[f64; 3])| AnswerSetPoint {
+            time: point.time,
+            position: point.position,
+            angles: *angles,
+        };
+        let goal = |(goal, reached): (&Goal, &Option<f64>)| AnswerGoal {
+            time: goal.time,
+            position: goal.pose.position().into(),
+            angles: goal.pose.angles().into(),
+            reached: *reached,
+        };
+        let set_points = summary.set_points.iter().zip(&self.angles).map(set_point);
+        Answer {
+            title: self.scenario.title.clone(),
+            end_time: self.end(),
+            set_points: self.tells_of_set_points().then(|| set_points.collect()),
+            goals: self.scenario.goals.iter().zip(&self.reached).map(goal).collect(),
+            smallest_tension: summary.smallest_tension.map(|u| AnswerTension {
+                cable: u.cable,
+                tension: u.value,
+                time: u.time,
             }),
-            "slack": summary.slack.iter().map(|slack| {
-                json!({ "cable": slack.cable, "first": slack.first, "duration": slack.duration })
-            }).collect::<Vec<_>>(),
-            "goalDistance": self.left().map(|(distance, _)| distance),
-            "goalTurn": self.left().map(|(_, turn)| turn),
-            "status": self.status().map(|status| status.to_string()),
-        })
+            slack: summary
+                .slack
+                .iter()
+                .map(|slack| AnswerSlack { cable: slack.cable, first: slack.first, duration: slack.duration })
+                .collect(),
+            goal_distance: self.left().map(|(distance, _)| distance),
+            goal_turn: self.left().map(|(_, turn)| turn),
+            status: self.status().map(|status| status.to_string()),
+        }
     }
 
     /// What the controller said last; `None` if it has no status.

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
+use super::answer::{Answer, AnswerCase};
 use super::interruption::Interruption;
 use super::record::{Record, Sink};
 use super::settings::{Setting, combinations};
@@ -17,7 +17,7 @@ use crate::command::{Outcome, print, print_json};
 /// What one combination came to: its settings and the summary of the run.
 struct Case {
     settings: Vec<Setting>,
-    summary: Value,
+    summary: Answer,
     is_slack: bool,
 }
 
@@ -36,12 +36,13 @@ pub fn run(simulate: &Simulate, name: &str) -> Result<Outcome> {
     let Some(cases) = found?.into_iter().collect::<Option<Vec<_>>>() else {
         return Ok(Outcome::Interrupted);
     };
+    let is_slack = cases.iter().any(|case| case.is_slack);
     if simulate.json {
-        print_json(&cases.iter().map(Case::as_json).collect())?;
+        print_json(&cases.into_iter().map(Case::answer).collect::<Vec<_>>())?;
     } else {
         print(&table(&cases))?;
     }
-    Ok(if cases.iter().any(|case| case.is_slack) { Outcome::Slack } else { Outcome::Done })
+    Ok(if is_slack { Outcome::Slack } else { Outcome::Done })
 }
 
 /// `None` if it was interrupted.
@@ -66,20 +67,19 @@ fn case(
         return Ok(None);
     }
     record.summary.finish()?;
-    Ok(Some(Case { summary: record.summary.as_json(), is_slack: record.summary.is_slack(), settings }))
+    Ok(Some(Case { summary: record.summary.answer(), is_slack: record.summary.is_slack(), settings }))
 }
 
 impl Case {
-    fn as_json(&self) -> Value {
-        let set: serde_json::Map<_, _> =
-            self.settings.iter().map(|setting| (setting.name.clone(), json!(setting.value))).collect();
-        json!({ "set": set, "summary": self.summary })
+    fn answer(self) -> AnswerCase {
+        let set = self.settings.into_iter().map(|setting| (setting.name, setting.value)).collect();
+        AnswerCase { set, summary: self.summary }
     }
 
     /// When the last goal was reached, s after it was given.
     fn reached(&self) -> Option<f64> {
-        let goal = self.summary["goals"].as_array()?.last()?;
-        Some(goal["reached"].as_f64()? - goal["time"].as_f64()?)
+        let goal = self.summary.goals.last()?;
+        Some(goal.reached? - goal.time)
     }
 }
 
@@ -100,9 +100,9 @@ fn table(cases: &[Case]) -> String {
         }
         let reached = case.reached().map_or("-".to_owned(), |time| format!("{time:.3}"));
         let smallest =
-            case.summary["smallestTension"]["tension"].as_f64().map_or("-".to_owned(), |u| format!("{u:.3}"));
+            case.summary.smallest_tension.as_ref().map_or("-".to_owned(), |u| format!("{:.3}", u.tension));
         let (slack, status) =
-            (if case.is_slack { "yes" } else { "no" }, case.summary["status"].as_str().unwrap_or("-"));
+            (if case.is_slack { "yes" } else { "no" }, case.summary.status.as_deref().unwrap_or("-"));
         let _ = writeln!(text, "{reached:>19}  {smallest:>20}  {slack:>5}  {status}");
     }
     text

@@ -69,16 +69,44 @@ fn workspace_of_eight_cables_is_drawn() {
     let found = json(0, &arguments);
     assert!(number(&found["area"]) > 1.0 && number(&found["deepest"]["margin"]) > 5.0, "{found}");
     let svg = fs::read_to_string(path).unwrap();
-    let mut reader = quick_xml::Reader::from_str(&svg);
-    let mut circles = 0;
-    loop {
-        match reader.read_event().unwrap() {
-            quick_xml::events::Event::Eof => break,
-            quick_xml::events::Event::Empty(tag) => circles += usize::from(tag.name().as_ref() == "circle"),
-            _ => {}
-        }
+    for cables in
+        ["cables 1, 2", "cables 3, 4", "cables 5, 6", "cables 7, 8", "seen from below", "x (m)", "52.41 N"]
+    {
+        assert!(svg.contains(cables), "{cables}");
     }
-    assert_eq!(circles, 5, "four posts and the deepest point");
+}
+
+#[test]
+fn a_workspace_over_heights_and_orientations_is_a_panel_and_rows_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let [svg, csv] = ["w.svg", "w.csv"].map(|name| folder.path().join(name));
+    let arguments =
+        ["workspace", "--heights", "-0.5,1,4", "--orientation", "0,0,0", "--orientation", "0,0.1,0"];
+    let files = ["--svg", svg.to_str().unwrap(), "--csv", csv.to_str().unwrap()];
+    let found = json(0, &[&arguments[..], &files].concat());
+    let slices = found["slices"].as_array().unwrap();
+    assert_eq!(slices.len(), 8);
+    assert!(slices[..2].iter().all(|slice| slice["empty"] == true), "above the base");
+    assert_eq!(slices[7]["orientation"][1], 0.1);
+    assert_eq!(slices[6]["area"], json(0, &["workspace"])["area"]);
+    assert!(slices[7]["area"] != slices[6]["area"]);
+
+    let drawn = fs::read_to_string(svg).unwrap();
+    assert!(["z = -0.5 m", "z = 1 m", "empty"].iter().all(|said| drawn.contains(said)));
+    let mut rows = csv::Reader::from_path(csv).unwrap();
+    assert_eq!(rows.headers().unwrap(), vec!["x", "y", "z", "roll", "pitch", "yaw", "margin"]);
+    let rows: Vec<Vec<f64>> = rows.deserialize().map(Result::unwrap).collect();
+    let inside =
+        |z: f64, pitch: f64| rows.iter().filter(move |row| row[2] == z && row[4] == pitch && row[6] >= 0.0);
+    let greatest = inside(1.0, 0.0).map(|row| row[6]).fold(0.0, f64::max);
+    assert!((greatest - number(&slices[6]["deepest"]["margin"])).abs() < 1e-9, "{greatest}");
+    assert!(inside(0.5, 0.1).count() > 100 && inside(-0.5, 0.0).count() == 0);
+
+    let (text, _) = written(0, &arguments);
+    assert_eq!(text.matches("empty").count(), 4, "{text}");
+    for wrong in ["1,2", "1,2,1", "1,2,2.5", "1,2,101"] {
+        assert!(written(2, &["workspace", "--heights", wrong]).1.contains("heights"), "{wrong}");
+    }
 }
 
 #[test]
