@@ -379,8 +379,8 @@ def check(text):
     if step:
         angles = check_angles(problem)
     if problem.tube:
-        check_disturbance(problem, *angles[:2])
         check_intrusion(problem.tube)
+        check_disturbance(problem, *angles[:2])
     if "spans" in proof:
         bounds = check_admissible(problem, proof, rig["cables"])
     else:

@@ -9,8 +9,9 @@ import pytest
 from flint import ctx
 
 import margins as page
-from check_proof import prepare
-from test_check_proof import apply, invert, jets, product, transpose, value
+from check_proof import check, prepare
+from test_check_proof import (apply, invert, jets, product, put, refused, remade, sealed, several, transpose,
+                              value)
 from test_disturbances import (corner, cross, minus, norm, plus, pulls_along, rotation, shared, spin, stiffness, tensions,
                                times)
 
@@ -81,6 +82,11 @@ def attacked(proof, draw, count):
     return worst
 
 
+def test_numbers_read_and_written_again_are_accepted():
+    proof = decoded(json.loads(PROOF.read_text()))
+    assert check(sealed(proof)).verdict == "admissible"
+
+
 def test_the_law_is_as_near_as_the_file_claims():
     worst = attacked(decoded(json.loads(PROOF.read_text())), random.Random(1), 200)
     assert max(worst.values()) <= 1 + 1e-6, worst
@@ -111,3 +117,53 @@ def test_the_law_has_no_better_neighbours():
                 if all(c["least"] <= x <= c["greatest"] for x, c in zip(other, rig["cables"])):
                     assert cost(other) >= cost(u) - 1e-9 * cost(u)
     assert left > 0
+
+
+def part_of(x):
+    return lambda value: value * x
+
+
+def no_room(proof):
+    """Friction and intrusion that are together more than the law's margin."""
+    margins, tube = proof["problem"]["margins"], proof["tube"]
+    margins["friction"] = margins["lawMargin"] - tube["intrusion"] / 2
+
+
+SPAN, TUBE, MARGINS, CABLES = ("spans", 1), ("tube",), ("problem", "margins"), ("problem", "rig", "cables")
+CHANGES = [
+    # what is changed before the hash is made, condition
+    ("distance nought", put(*SPAN, "distance", 0.0), "C18"),
+    ("distance negative", put(*SPAN, "distance", lambda x: -x), "C18"),
+    ("distance of a fifth", put(*SPAN, "distance", part_of(0.2)), "C18"),
+    ("distance of a fifth, at the end", put("spans", -1, "distance", part_of(0.2)), "C18"),
+    ("distance without bounds", put(*SPAN, "distance", part_of(1e3)), "C8"),
+    ("multipliers nought", put(*SPAN, "multipliers", [0.0] * 6), "C18"),
+    ("multipliers turned round", put(*SPAN, "multipliers", lambda z: [-x for x in z]), "C18"),
+    ("a multiplier of a torque bent", put("spans", -1, "multipliers", 3, lambda x: x + 1e3), "C18"),
+    ("intrusion nought", put(*TUBE, "intrusion", 0.0), "C18"),
+    ("intrusion of a half", put(*TUBE, "intrusion", part_of(0.5)), "C18"),
+    ("intrusion of all the margin", put(*TUBE, "intrusion", lambda x: 0.5003), "C18"),
+    ("friction takes the margin", no_room, "C18"),
+    ("a law that keeps nothing", put(*MARGINS, "lawMargin", 0.0), "C18"),
+    ("a law that keeps more", put(*MARGINS, "lawMargin", 60.0), "C18"),
+    ("a law that keeps more than there is", put(*MARGINS, "lawMargin", 300.0), "C18"),
+    ("a reference without greatest tension", put(*CABLES, 3, "greatest", float("inf")), "C18"),
+    ("a bound that friction takes", several(put(*SPAN, "least", lambda x: [y + 0.011 for y in x]), remade), "C8"),
+    ("a bound of the tensions shown", several(put(*SPAN, "greatest", 2, part_of(0.8)), remade), "C8"),
+    ("pull of the tensions shown", put(*TUBE, "pull", part_of(0.7)), "C16"),
+    ("stiffness of the tensions shown", put(*TUBE, "stiffness", lambda k: [[0.7 * x for x in row] for row in k]), "C16"),
+    ("intrusion negative", put(*TUBE, "intrusion", -0.01), "C2"),
+    ("law's margin negative", put(*MARGINS, "lawMargin", -0.5), "C2"),
+    ("no law's margin", lambda proof: proof["problem"]["margins"].pop("lawMargin"), "C1"),
+    ("no intrusion", lambda proof: proof["tube"].pop("intrusion"), "C1"),
+    ("no distance", lambda proof: proof["spans"][1].pop("distance"), "C1"),
+    ("no multipliers", lambda proof: proof["spans"][-1].pop("multipliers"), "C1"),
+    ("distance without margins", lambda proof: [proof.pop("tube"), proof["problem"].pop("margins")], "C1"),
+]
+
+
+@pytest.mark.parametrize("name, change, condition", CHANGES, ids=[c[0] for c in CHANGES])
+def test_shares_that_are_bent_are_refused(name, change, condition):
+    proof = decoded(json.loads(PROOF.read_text()))
+    change(proof)
+    assert refused(sealed(proof)) == condition
