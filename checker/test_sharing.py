@@ -151,7 +151,7 @@ CHANGES = [
     ("a bound that friction takes", several(put(*SPAN, "least", lambda x: [y + 0.011 for y in x]), remade), "C8"),
     ("a bound of the tensions shown", several(put(*SPAN, "greatest", 2, part_of(0.8)), remade), "C8"),
     ("pull of the tensions shown", put(*TUBE, "pull", part_of(0.7)), "C16"),
-    ("stiffness of the tensions shown", put(*TUBE, "stiffness", lambda k: [[0.7 * x for x in row] for row in k]), "C16"),
+    ("stiffness of the tensions shown", put(*TUBE, "stiffness", lambda k: [[0.3 * x for x in row] for row in k]), "C16"),
     ("intrusion negative", put(*TUBE, "intrusion", -0.01), "C2"),
     ("law's margin negative", put(*MARGINS, "lawMargin", -0.5), "C2"),
     ("no law's margin", lambda proof: proof["problem"]["margins"].pop("lawMargin"), "C1"),
