@@ -108,6 +108,11 @@ def softer(proof, draw):
     row[k] = spelling(draw.uniform(0, 0.3) * double(row[k]))
 
 
+def sealed_again(proof):
+    text = json.dumps(proof["problem"], sort_keys=True, separators=(",", ":"))
+    proof["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+
+
 def more_wrong(proof, draw):
     """A margin raised, under its own hash, by what alone makes G greater than D."""
     rig, step, margins, tube = proof["problem"]["rig"], proof["problem"]["step"], proof["problem"]["margins"], proof["tube"]
@@ -119,14 +124,53 @@ def more_wrong(proof, draw):
             "accuracy": mass * push * double(tube["shortest"]) / (2 * double(tube["pull"])),
             "samplePeriod": 1 / (double(step["lambda"]) + double(step["eta"]))}
     more["delay"] = more["samplePeriod"]
-    name = draw.choice([name for name in margins if more[name] > 0])
+    name = draw.choice([name for name in more if more[name] > 0])
     margins[name] = spelling(double(margins[name]) + 1.01 * more[name])
-    text = json.dumps(proof["problem"], sort_keys=True, separators=(",", ":"))
-    proof["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+    sealed_again(proof)
 
 
 def no_tube(proof, draw):
     del proof["tube"]
+
+
+def nearer(proof, draw):
+    """A law that is nearer than it is; cut finely, a span may prove much less than the file claims."""
+    span = any_span(proof, draw)
+    span["distance"] = spelling(draw.choice((-1, 0, 1e-3)) * double(span["distance"]))
+
+
+def bent_multipliers(proof, draw):
+    """By so much that the sum for them is greater than the distance allows, for any tensions within the limits."""
+    span = any_span(proof, draw)
+    k = draw.randrange(3)
+    size = max(abs(double(x)) for x in span["multipliers"][:3])
+    span["multipliers"][k] = spelling(double(span["multipliers"][k]) + draw.choice((-1, 1)) * 100 * size)
+
+
+def less_intrusion(proof, draw):
+    proof["tube"]["intrusion"] = spelling(draw.uniform(0, 0.3) * double(proof["tube"]["intrusion"]))
+
+
+def more_intrusion(proof, draw):
+    """More than the law's margin leaves to friction."""
+    margins = proof["problem"]["margins"]
+    proof["tube"]["intrusion"] = raised(spelling(double(margins["lawMargin"]) - double(margins["friction"])), 0.0)
+
+
+def less_margin(proof, draw):
+    """A law that keeps less, under its own hash, than intrusion and friction take."""
+    margins = proof["problem"]["margins"]
+    margins["lawMargin"] = spelling(draw.uniform(0, 0.9) * (double(margins["friction"]) + double(proof["tube"]["intrusion"])))
+    sealed_again(proof)
+
+
+def more_margin(proof, draw):
+    """A law that keeps more than there is between the limits, or than the tensions do."""
+    span = any_span(proof, draw)
+    cables = proof["problem"]["rig"]["cables"]
+    proof["problem"]["margins"]["lawMargin"] = raised(spelling(min(
+        double(high) - double(c["least"]) for c, high in zip(cables, span["greatest"]))), 0.0)
+    sealed_again(proof)
 
 
 # What may be done to a proof, and the conditions that may name it.
@@ -146,13 +190,21 @@ OF_TUBE = [
     (more_wrong, {"C2", "C4", "C17"}),
     (no_tube, {"C1"}),
 ]
+OF_LAW = [
+    (nearer, {"C18"}),
+    (bent_multipliers, {"C18"}),
+    (less_intrusion, {"C18"}),
+    (more_intrusion, {"C18"}),
+    (less_margin, {"C18"}),
+    (more_margin, {"C18"}),
+]
 OF_SIX = [(bent_instant, {"C7", "C8"}), (another_rig, {"C3"})]
 OF_MORE = [(greater_shortfall, {"C13"}), (other_side, {"C13"}), (another_rig, {"C3"})]
 
 
 def bendings(proof):
     if proof["verdict"] == "admissible":
-        return OF_YES + (OF_TUBE if "tube" in proof else [])
+        return OF_YES + (OF_TUBE if "tube" in proof else []) + (OF_LAW if "intrusion" in proof.get("tube", {}) else [])
     return OF_SIX if "cable" in proof["instant"] else OF_MORE
 
 

@@ -2,7 +2,7 @@
 
     python check_proof.py FILE...
 
-Written from the description of the format alone; (C1) to (C17) are its conditions, and names are its names.
+Written from the description of the format alone; (C1) to (C18) are its conditions, and names are its names.
 A real number is an `arb`, a ball that holds it; comparing balls gives True only of what is certain. A function of
 time is an `arb_series`, its Taylor coefficients, each a ball. Units: m, kg, s, N, N m, rad.
 """
@@ -13,8 +13,8 @@ from collections import namedtuple
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
 import motions
-from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models
-from margins import check_disturbance, judge_tube, make_tube, stiffness
+from enclosures import Undecided, bernstein, cross, dot, extents, interval, largest, models, reach
+from margins import check_disturbance, check_intrusion, judge_law, judge_tube, kept, make_tube, stiffness
 from proof_file import SIZE, Refused, brief, check_times, demand, read_file
 
 BITS = 128         # of the midpoints of all balls
@@ -24,7 +24,7 @@ HALVINGS = 9       # of a span at most, before it is refused
 RESTS = 60         # pieces of 1/mu that the last span is cut in at most
 
 Verdict = namedtuple("Verdict", "verdict bounds sha256")
-Cable = namedtuple("Cable", "anchor attachment radius axis")
+Cable = namedtuple("Cable", "anchor attachment radius axis least greatest")
 Problem = namedtuple("Problem", "mass inertia gravity force torque cables place error rates slow fast gap tube piece",
                      defaults=[None] * 8)      # of a step until the gap, with margins the tube; of a motion the piece
 
@@ -44,8 +44,8 @@ def prepare(rig, step=None):
     def balls(numbers):
         return [arb(x) for x in numbers]
     pulleys = [cable.get("pulley", {"radius": 0.0, "axis": []}) for cable in rig["cables"]]
-    cables = [Cable(balls(cable["anchor"]), balls(cable["attachment"]), arb(pulley["radius"]), balls(pulley["axis"]))
-              for cable, pulley in zip(rig["cables"], pulleys)]
+    cables = [Cable(balls(cable["anchor"]), balls(cable["attachment"]), arb(pulley["radius"]), balls(pulley["axis"]),
+                    arb(cable["least"]), arb(cable["greatest"])) for cable, pulley in zip(rig["cables"], pulleys)]
     body = Problem(arb(rig["mass"]), [balls(row) for row in rig["inertia"]], balls(rig["gravity"]),
                    balls(rig["disturbance"][:3]), balls(rig["disturbance"][3:]), cables)
     if step is None:
@@ -178,12 +178,13 @@ def round_pulley(a, r, axis, i):
     return [x + along * y + up * k for x, y, k in zip(a, out, axis)], e
 
 
-# --- Pieces of time: (C6), (C7), (C8), (C16) ------------------------------------------------------------------------
+# --- Pieces of time: (C6), (C7), (C8), (C16), (C18) ------------------------------------------------------------------------
 
 def unknowns(problem, span):
     """What the fields of a span or an instant say. With L_i v = (v, b_i x v), so that column i of V is L_i v_i:
     B (None of six cables, where it is 1), the C L_i, the matrix of C and all -C L_i side by side, polynomials in
-    tau of s where y is y-hat (N/m), and by how much s may differ from them (N/m)."""
+    tau of s where y is y-hat (N/m), by how much s may differ from them (N/m), and with a law that shares the load
+    the vectors whose product with v_i is c_i l_i."""
     inverse, basis = arb_mat(span["inverse"]), None
     levers = [inverse * arb_mat([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -z, y], [z, 0, -x], [-y, x, 0]])
               for x, y, z in (cable.attachment for cable in problem.cables)]
@@ -193,26 +194,36 @@ def unknowns(problem, span):
     if "basis" in span:
         basis = arb_mat(span["basis"])
         guess = [base + sum(b * g for b, g in zip(row, guess)) for base, row in zip(span["base"], basis.tolist())]
-        spread = [sum(abs(b) * e for b, e in zip(row, spread)) for row in basis.tolist()]
-    return basis, levers, beside, guess, spread
+        spread = through(basis, spread)
+    pushes = []
+    if "multipliers" in span:
+        force, torque = [[arb(x) for x in z] for z in (span["multipliers"][:3], span["multipliers"][3:])]
+        pushes = [[x + y for x, y in zip(force, cross(torque, cable.attachment))] for cable in problem.cables]
+    return basis, levers, beside, guess, spread, pushes
 
 
-def functions(problem, start, scale, s):
+def through(basis, sizes):
+    """By how much s differs where y differs by at most `sizes`."""
+    return sizes if basis is None else [sum(abs(b) * e for b, e in zip(row, sizes)) for row in basis.tolist()]
+
+
+def functions(problem, start, scale, s, pushes=()):
     """The functions of time that a piece is judged by, where s (N/m) is the guess: v, l, w and all v s, l s, and
-    with margins K, each e, and what else `equations` gives."""
+    with margins K, each e, what else `equations` gives, and l s - c of each of `pushes` (see `unknowns`)."""
     vectors, lengths, w, turn, wheels = equations(problem, start, scale)
     pulls = [a * b for a, b in zip(lengths, s)]
     found = vectors, lengths, w + [x * y for v, y in zip(vectors, s) for x in v], pulls
     if problem.tube:
         torques = stiffness(turn, problem.cables, vectors, lengths, wheels, pulls)
-        found += torques, [wheel[2] for wheel in wheels if wheel], turn, wheels
+        off = [pull - dot(push, v) / length for push, v, length, pull in zip(pushes, vectors, lengths, pulls)]
+        found += torques, [wheel[2] for wheel in wheels if wheel], turn, wheels, off
     return found
 
 
 def judge(problem, span, given, numbers, middle, whole):
-    """(C7), and (C8) of the cables `numbers` (from 0), and with margins (C16), in a piece of time: `functions` in its
-    middle and over all."""
-    basis, levers, beside, _, spread = given
+    """(C7), and (C8) of the cables `numbers` (from 0), and with margins (C16) and (C18), in a piece of time:
+    `functions` in its middle and over all."""
+    basis, levers, beside, _, spread, pushes = given
     order, coarse = ctx.cap - 1, min(ctx.cap - 1, COARSE)
     residual = beside * models(middle[2], whole[2], order) * bernstein(order)
     r = [largest([abs(x).upper() for x in row]) for row in residual.tolist()]
@@ -232,21 +243,28 @@ def judge(problem, span, given, numbers, middle, whole):
         if not bound <= span["error"][k]:
             raise Undecided("C7", f"unknown {k + 1}: the file's error is {span['error'][k]:.17g}, "
                                   f"proved {float(bound.upper()):.17g} only")
-    friction = arb(problem.tube.margins["friction"]) if problem.tube else 0
     pulls, lengths = [extents([middle[m][i] for i in numbers], [whole[m][i] for i in numbers]) for m in (3, 1)]
+    tube, sharp, distance, proved = problem.tube, through(basis, bounds), 0, 0
+    friction = arb(tube.margins["friction"]) if tube else 0
+    if pushes:
+        distance, proved = span["distance"], judge_law(problem, span["distance"], sharp, pulls, lengths,
+                                                       extents(middle[8], whole[8]))
     for i, pull, length in zip(numbers, pulls, lengths):
-        least = -largest([spread[i] * b - a for a, b in zip(pull, length)]) - friction
-        most = largest([spread[i] * b + a for a, b in zip(pull, length)]) + friction
+        least, most = reach(pull, length, spread[i])
+        if pushes:
+            p, q = kept(tube, problem.cables[i])
+            least, most = p.max(least - distance), q.min(most + distance)
+        least, most = least - friction, most + friction
         low, high = span["least"][i], span["greatest"][i]
         if not (least >= low and most <= high):
             raise Undecided("C8", f"cable {i + 1}: the file's bounds are [{low:.17g}, {high:.17g}] N, proved "
                                   f"[{float(least.lower()):.17g}, {float(most.upper()):.17g}] N only")
-    if problem.tube:
-        judge_tube(problem, bounds, *[(x[1], x[3], x[4], x[5], x[6], x[0], x[7]) for x in (middle, whole)])
+    if tube:
+        judge_tube(problem, sharp, proved, pulls, lengths, middle, whole)
 
 
 def prove_parts(problem, span, given, centre, scale):
-    """(C6) to (C8) and (C16) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
+    """(C6) to (C8), (C16) and (C18) at the times centre + scale tau (s), tau in [-1, 1], cut in halves as need be."""
     parts = [(arb(0), arb(1), 0)]
     while parts:
         tau, half, depth = parts.pop()
@@ -255,7 +273,7 @@ def prove_parts(problem, span, given, centre, scale):
             found = []
             for x in tau, arb(tau, half):
                 s = [arb_series(g(arb_poly([x, half]))) for g in given[3]]
-                found.append(functions(problem, begin(problem, centre + scale * x), scale * half, s))
+                found.append(functions(problem, begin(problem, centre + scale * x), scale * half, s, given[5]))
             judge(problem, span, given, range(len(problem.cables)), *found)
         except Undecided as fault:
             at = f"t = {float(centre + scale * tau):.9g}"
@@ -264,15 +282,15 @@ def prove_parts(problem, span, given, centre, scale):
 
 
 def prove_constant(problem, span, given, numbers, start):
-    """(C6) to (C8) and (C16) of the cables `numbers` where what `begin` gives is in `start` and the polynomials are
+    """(C6) to (C8), (C16) and (C18) of the cables `numbers` where what `begin` gives is in `start` and the polynomials are
     constant."""
     ctx.cap = 1
-    found = functions(problem, start, arb(1), [arb_series(g) for g in given[3]])
+    found = functions(problem, start, arb(1), [arb_series(g) for g in given[3]], given[5])
     judge(problem, span, given, numbers, found, found)
 
 
 def prove_rest(problem, span, given):
-    """(C6) to (C8) and (C16) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
+    """(C6) to (C8), (C16) and (C18) of the last span: all at once, or of a piece of 1/mu and then of the rest."""
     if problem.piece:
         return prove_constant(problem, span, given, range(len(problem.cables)), arb(0))
     start, scale = arb(span["from"]), 1 / (2 * problem.slow)
@@ -288,7 +306,7 @@ def prove_rest(problem, span, given):
 # --- Verdicts: (C5) to (C13) ---------------------------------------------------------------------------------------
 
 def check_admissible(problem, proof, cables):
-    """(C5) to (C10), and (C14) to (C16)."""
+    """(C5) to (C10), (C14) to (C16) and (C18)."""
     spans, pieces = proof["spans"], [None] * len(proof["spans"])
     if "step" in proof["problem"]:
         check_times(proof["problem"]["step"], spans)
@@ -361,6 +379,7 @@ def check(text):
     if step:
         angles = check_angles(problem)
     if problem.tube:
+        check_intrusion(problem.tube)
         check_disturbance(problem, *angles[:2])
     if "spans" in proof:
         bounds = check_admissible(problem, proof, rig["cables"])

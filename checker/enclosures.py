@@ -37,6 +37,13 @@ def models(middle, whole, order):
     return arb_mat(rows)
 
 
+def reach(pull, length, spread):
+    """Bounds of l s, exact numbers, where `pull` and `length` (their Bernstein coefficients) are of l s and l, and s
+    may differ by `spread`."""
+    return (-largest([spread * b - a for a, b in zip(pull, length)]).upper(),
+            largest([spread * b + a for a, b in zip(pull, length)]).upper())
+
+
 @functools.cache
 def bernstein(order):
     """Matrix from coefficients of a polynomial on [-1, 1] to those of Bernstein's form, which enclose it."""

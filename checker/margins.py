@@ -1,12 +1,13 @@
-"""Margins of proof files: the tube about the closed form and conditions (C16) and (C17), in balls. Names are the page's.
+"""Margins of proof files: the tube about the closed form and conditions (C16) to (C18), in balls. Names are the page's.
 
-Everything here speaks of robots with one `tube`: six cables, a verdict of admissible.
+Everything here speaks of robots with one `tube`: a verdict of admissible.
 """
+from fractions import Fraction
 from collections import namedtuple
 
 from flint import arb, arb_mat
 
-from enclosures import Undecided, cross, dot, extents, largest
+from enclosures import Undecided, cross, dot, extents, largest, reach
 from proof_file import Refused, demand
 
 AXES = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -145,26 +146,28 @@ def stiffness(turn, cables, vectors, lengths, wheels, pulls):
             [-sum(turn[i][j] * shift[i][k] for i in range(3)) for j in range(3)] + [twist[j][k] for j in range(3)]]
 
 
-def judge_tube(problem, spread, middle, whole):
-    """(C16) in a piece of time: its middle and all of it as (l, l s, K of these tensions, e, turn, v and wheels),
-    where s (N/m) may differ by `spread`; that is what is proved here, mostly less than what the file claims."""
+def judge_tube(problem, spread, distance, pulls, lengths, middle, whole):
+    """(C16) in a piece of time, `functions` in its middle and over all, with the extents of l s and l. s (N/m) may
+    differ by `spread`, the law's tensions by `distance` (N): what is proved here, mostly less than what the file claims."""
     claim, cables = problem.tube.claim, problem.cables
-    lengths, pulls, torques = [extents(middle[m], whole[m]) for m in range(3)]
-    aside = extents(middle[3], whole[3]) if middle[3] else []
+    torques = extents(middle[4], whole[4])
+    aside = extents(middle[5], whole[5]) if middle[5] else []
     def at_most(balls, most, name):
         if not largest(balls) <= most:
             raise Undecided("C16", f"{name}: the file claims {most:.17g}, proved {float(largest(balls).upper()):.17g} only")
     totals = [sum(p + e * x for p, e, x in zip(column[:len(spread)], spread, column[len(spread):]))
-              for column in zip(*pulls, *lengths)]
+              + arb(len(cables)).sqrt() * distance for column in zip(*pulls, *lengths)]
     at_most(totals, claim["pull"], "pull")
     for rows, name in (lengths, "shortest"), (aside, "sideways"):
         for i, row in enumerate(rows, 1):
             at_most([-x for x in row], -claim[name], f"minus {name}, cable {i}")
-    turn, vectors, wheels = constants(whole[4:])
-    loose = [0] * 18
+    vectors, reaches, turn, wheels = constants([whole[m] for m in (0, 1, 6, 7)])
+    loose, square = [0] * 18, [0] * 18      # what all spreads add to K, and the sum of k_i squared
     for i, (cable, e) in enumerate(zip(cables, spread)):
-        of_one = stiffness(turn, [cable], [vectors[i]], [whole[0][i][0]], [wheels[i]], [e * whole[0][i][0]])
-        loose = [x + abs(y).upper() for x, y in zip(loose, of_one)]
+        of_one = stiffness(turn, [cable], [vectors[i]], [reaches[i]], [wheels[i]], [arb(1)])
+        loose = [x + (e * reaches[i] * abs(y)).upper() for x, y in zip(loose, of_one)]
+        square = [x + abs(y).upper() ** 2 for x, y in zip(square, of_one)]
+    loose = [x + distance * y.sqrt() for x, y in zip(loose, square)]
     for m, (row, more) in enumerate(zip(torques, loose)):
         at_most([abs(x) + more for x in row], claim["stiffness"][m // 6][m % 6], f"stiffness[{m // 6}][{m % 6}]")
 
@@ -172,3 +175,49 @@ def judge_tube(problem, spread, middle, whole):
 def constants(value):
     """The balls of series at x = 0."""
     return [constants(x) for x in value] if isinstance(value, (list, tuple)) else value[0]
+
+
+# --- How more than six cables share the load: (C18) ------------------------------------------------------------------
+
+def check_intrusion(tube):
+    """`friction` + xi <= m of (C18), exact."""
+    if "intrusion" in tube.claim:
+        friction, margin, intrusion = tube.margins["friction"], tube.margins["lawMargin"], tube.claim["intrusion"]
+        demand(Fraction(friction) + Fraction(intrusion) <= Fraction(margin), "C18",
+               f"expected friction + intrusion <= {margin:.17g}, the law's margin, found {friction:.17g} + {intrusion:.17g}")
+
+
+def kept(tube, cable):
+    """p and q: where the law's tensions of a cable are (N)."""
+    room = arb(tube.margins["lawMargin"]) - arb(tube.claim["intrusion"])
+    return cable.least + room, cable.greatest - room
+
+
+def judge_law(problem, claimed, spread, pulls, lengths, off):
+    """(C18) in a piece of time, where s (N/m) may differ by `spread`: extents of l s, l and l s - c. Returns how far
+    the law's tensions are from those of the unknowns at most (N)."""
+    tube, surpluses, far = problem.tube, arb(0), arb(0)
+    weight, margin = problem.mass * dot(problem.gravity, problem.gravity).sqrt(), arb(tube.margins["lawMargin"])
+    for i, (cable, e, pull, length, beside) in enumerate(zip(problem.cables, spread, pulls, lengths, off), 1):
+        reference = cable.least + weight.min((cable.greatest - cable.least) / 2)
+        p, q = kept(tube, cable)
+        (low, high), (below, above) = reach(pull, length, e), reach(beside, length, e)
+        if not (low >= cable.least + margin and high <= cable.greatest - margin):
+            raise Undecided("C18", f"cable {i}: expected tensions within the law's margin of {float(margin):.17g} N, proved "
+                                   f"[{float(low.lower()):.17g}, {float(high.upper()):.17g}] N only")
+        far += largest([high - reference, reference - low]).max(arb(0)) ** 2
+        surpluses += largest([surplus(high - p, above - reference), surplus(q - low, reference - below)])
+    if not far.sqrt() <= 10000 * arb(tube.claim["intrusion"]):
+        raise Undecided("C18", f"intrusion: the file claims {tube.claim['intrusion']:.17g}, proved "
+                               f"{float(far.sqrt().upper()) / 1e4:.17g} only")
+    distance = (2 * surpluses).sqrt().upper()
+    if not distance <= claimed:
+        raise Undecided("C18", f"distance: the file claims {claimed:.17g}, proved {float(distance):.17g} only")
+    return distance
+
+
+def surplus(room, o):
+    """The greatest of s (o - s/2) over s from 0 to `room`, o being negative or not: it grows with both."""
+    room, o = room.upper(), o.upper().max(arb(0))
+    s = room.min(o)
+    return s * (o - s / 2)

@@ -8,7 +8,7 @@ SIZE = 10_000_000  # bytes of a file at most
 
 
 class Refused(Exception):
-    """The proof is refused; `condition` is "C1" to "C17"."""
+    """The proof is refused; `condition` is "C1" to "C18"."""
 
     def __init__(self, condition, message):
         super().__init__(f"{condition}: {message}")
@@ -75,8 +75,9 @@ PROBLEM = {"rig": {"mass": number, "inertia": array(VECTOR, 3), "gravity": VECTO
            "step?": {"start": SIX, "rates": SIX, "setPoint": SIX, "lambda": number, "eta": number},
            "motion?": {"pieces": array(PIECE, 1, SIZE)},
            "margins?": {name: number for name in ("mass", "centreOfMass", "force", "torque", "friction", "accuracy",
-                                                  "samplePeriod", "delay")}}
-TUBE = {"disturbance": SIX, "pull": number, "shortest": number, "sideways?": number, "stiffness": array(SIX, 3)}
+                                                  "samplePeriod", "delay", "lawMargin?")}}
+TUBE = {"disturbance": SIX, "pull": number, "shortest": number, "sideways?": number, "stiffness": array(SIX, 3),
+        "intrusion?": number}
 FILE = {"format": anything, "version": anything, "problem": PROBLEM, "sha256": anything, "verdict": anything}
 VERDICTS = {"admissible": {"least": number, "greatest": number, "spans": array(anything, 1, SIZE), "tube?": TUBE,
                            "jump?": array(number, 2)},
@@ -141,7 +142,8 @@ def read_file(text):
     if "instant" in proof:
         shape = FARKAS if n > 6 else lemma_shape(1, number, {"time": number, "cable": anything})
         return proof | {"instant": read(proof["instant"], shape, "instant")}
-    more = ({"base": array(number, n), "basis": array(SIX, n)} if n > 6 else {})
+    more = {"base": array(number, n), "basis": array(SIX, n)} if n > 6 else {}
+    more |= {"multipliers": SIX, "distance": number} if n > 6 and "tube" in proof else {}
     usual = more | {"from": number, "to": number} | ({"piece": whole} if moves else {})
     last = more if moves else more | {"from": number}
     usual, last = lemma_shape(6, array(number, n), usual), lemma_shape(1, array(number, n), last)
@@ -180,13 +182,13 @@ def check_margins(proof):
         for name, x in margins.items():
             demand(x >= 0, "C2", f"margins: expected {name} >= 0, found {x}")
         demand(margins["mass"] < 1, "C2", f"margins: expected mass < 1, found {margins['mass']}")
-        if proof["verdict"] == "admissible":
-            demand(len(cables) == 6, "C2", f"margins of an admissible step: expected six cables, found {len(cables)}")
+        demand(("lawMargin" in margins) == (len(cables) > 6), "C1", "margins.lawMargin: expected of more than six cables only")
     wanted = margins is not None and proof["verdict"] == "admissible"
     demand(wanted == (tube is not None), "C1", f"tube: expected {'one' if wanted else 'none'}, with margins only")
     if tube:
         pulleys = any("pulley" in cable for cable in cables)
-        demand(("sideways" in tube) == pulleys, "C1", f"tube.sideways: expected {'one' if pulleys else 'none'}")
+        for name, wanted in ("sideways", pulleys), ("intrusion", len(cables) > 6):
+            demand((name in tube) == wanted, "C1", f"tube.{name}: expected {'one' if wanted else 'none'}")
         for name, x in tube.items():
             numbers = [x] if isinstance(x, float) else sum((y if isinstance(y, list) else [y] for y in x), [])
             demand(min(numbers) >= 0, "C2", f"tube: expected {name} >= 0, found {min(numbers)}")

@@ -105,7 +105,9 @@ CHANGES = [
     ("negative stiffness", False, put(*TUBE, "stiffness", 0, 0, -1.0), "C2"),
     ("negative margin", False, put(*MARGINS, "friction", -0.01), "C2"),
     ("all of the mass", False, put(*MARGINS, "mass", 1.0), "C2"),
-    ("more than six cables", False, put("problem", "rig", "cables", lambda c: c + c[:1]), "C2"),
+    ("more than six cables", False, put("problem", "rig", "cables", lambda c: c + c[:1]), "C1"),
+    ("law's margin of six cables", False, put(*MARGINS, "lawMargin", 0.5), "C1"),
+    ("intrusion of six cables", False, put(*TUBE, "intrusion", 0.1), "C1"),
     ("no tube", False, lambda proof: proof.pop("tube"), "C1"),
     ("a tube without margins", False, lambda proof: proof["problem"].pop("margins"), "C1"),
     ("a margin missing", False, lambda proof: proof["problem"]["margins"].pop("delay"), "C1"),
@@ -153,9 +155,9 @@ def test_a_margin_that_is_no_number_is_refused():
 
 
 def test_margins_of_what_is_not_admissible_say_nothing_more():
-    for proof in (OVERLOADED, SHORT):
+    for proof, more in (OVERLOADED, {}), (SHORT, {"lawMargin": 0.2}):
         proof = json.loads(json.dumps(proof))
-        proof["problem"]["margins"] = SMALL
+        proof["problem"]["margins"] = SMALL | more
         assert check(sealed(proof)).verdict == "not admissible"
         proof["tube"] = json.loads(made())["tube"]
         assert refused(sealed(proof)) == "C1"
