@@ -3,9 +3,9 @@
 mod arguments;
 mod certify;
 mod completions;
+mod contours;
 #[cfg(feature = "export")]
 mod export;
-mod contours;
 mod figure;
 mod fmu;
 mod modelica;
