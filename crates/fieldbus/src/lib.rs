@@ -24,7 +24,7 @@ pub mod canopen;
 pub mod cia402;
 pub mod commission;
 pub mod config;
-pub mod controller;
+mod controller;
 pub mod export;
 pub mod files;
 pub mod frame;

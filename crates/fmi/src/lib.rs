@@ -20,13 +20,13 @@ pub mod archive;
 pub mod can;
 pub mod describe;
 pub mod error;
-pub mod instance;
+mod instance;
 pub mod lifecycle;
 pub mod log;
 pub mod models;
 pub mod node;
 pub mod resources;
-pub mod state;
+mod state;
 pub mod values;
 pub mod variables;
 
