@@ -3,22 +3,40 @@
 //! After Oh and Agrawal, *Guaranteed Reachable Domain and Control Design for a Cable Robot Subject to Input Constraints*.
 //! Where the program differs from the paper, `docs/paper.md` says so, with the figure.
 //!
+//! A move is planned for a [`Rig`](robot::Rig), by a [`Planner`](plan::Planner) that proves that every tension stays within its limits, and followed by a
+//! [`Controller`](plan::Controller), one bounded step at a time. Tried on a simulated [`Plant`](sim::Plant):
+//!
 //! ```
-//! use cable_robot::control::static_margin;
-//! use cable_robot::plan::{ControllerParameters, Planner};
+//! use cable_robot::plan::{ControllerParameters, Planner, PlannerKind};
 //! use cable_robot::robot::{Pose, Rig, RobotParameters, TensionLimits};
+//! use cable_robot::sim::{ClosedLoop, PlantParameters};
 //!
-//! let rig = Rig::paper(&RobotParameters::default(), TensionLimits { min: 0.0, max: 100.0 });
-//! let (start, goal) = (Pose::at(0.0, 0.0, 1.0), Pose::at(0.15, 0.15, 1.0));
-//! assert!(static_margin(&rig, &goal) > 1.0); // N: how far from its limits every tension is at rest there
+//! // The paper's rig; `RigFile::parse` reads any other, of six to sixteen cables.
+//! let limits = TensionLimits { min: 0.0, max: 100.0 }; // N
+//! let rig = Rig::paper(&RobotParameters::default(), limits);
+//! let (start, goal) = (Pose::at(0.0, 0.0, 1.0), Pose::at(0.15, 0.15, 1.0)); // m
 //!
-//! let planner = Planner::from(ControllerParameters::of(&rig));
-//! let mut way = vec![start];
-//! while let Some(next) = planner.next_from_rest(way.last().unwrap(), &goal) {
-//!     way.push(next);
+//! let parameters =
+//!     ControllerParameters { planner: PlannerKind::MinimumTime, ..ControllerParameters::of(&rig) };
+//! let motion = Planner::from(parameters).course_from_rest(&start, &goal).expect("the goal can be reached");
+//! assert!(motion.end() < 1.0); // s; the paper's planner takes 7.5 s
+//!
+//! let plant = PlantParameters { rig, initial_pose: start, ..PlantParameters::default() };
+//! let mut closed_loop = ClosedLoop::new(parameters, plant, goal)?;
+//! let mut least = f64::INFINITY;
+//! for _ in 0..1500 {
+//!     let now = closed_loop.step(1e-3)?; // s
+//!     least = now.plant.measured_tension.iter().copied().fold(least, f64::min);
 //! }
-//! assert_eq!((way.len(), *way.last().unwrap()), (5, goal)); // the paper's four set points
+//! let c = closed_loop.moment().controller; println!("{:?} {} {} {}", c.status, c.goal_distance, motion.end(), least); assert!(c.at_goal);
+//! assert!(least >= limits.min, "{least} N");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Where to begin: [`robot::RigFile`] for a rig of one's own, [`control::static_margin`] for what is left at rest at a pose, [`reach::static_workspace`] and
+//! [`reach::certify`] for where it may go, [`plan::Planner`] for plans alone, [`plan::Controller`] for a control loop of one's own, [`sim::Scenario`] for whole
+//! runs. Poses are six coordinates in m and rad, tensions N, one a cable. An outcome such as "not reachable" is a value; an error is input that makes no
+//! sense, and names the field, the value and what would be right. A control step allocates nothing and gives the same bits on every platform.
 //!
 //! # Modules and crates
 //!

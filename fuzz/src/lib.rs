@@ -13,7 +13,7 @@ use cable_robot::sim::ScenarioFile;
 use cable_robot_fieldbus::candump::Line;
 use cable_robot_fieldbus::slcan::{self, Received};
 use cable_robot_fieldbus::{Bridge, Config, FrameQueue, LibraryController, bus_load, export};
-use cable_robot_report::table::Table;
+use cable_robot_report::Table;
 
 /// Lines of a log and commands of an adapter: what is understood is written and read again as the same.
 pub fn frames(data: &[u8]) {

@@ -1,17 +1,17 @@
 //! Section III: the Lyapunov law, its gains, the closed-form response, the tension distribution, and what the law needs to know of the motion.
 
-pub mod active_set;
-pub mod commands;
-pub mod delay;
+pub(crate) mod active_set;
+pub(crate) mod commands;
+pub(crate) mod delay;
 pub mod distribution;
-pub mod estimator;
-pub mod force_loop;
-pub mod gains;
-pub mod held_tensions;
+pub(crate) mod estimator;
+pub(crate) mod force_loop;
+pub(crate) mod gains;
+pub(crate) mod held_tensions;
 pub mod lyapunov;
-pub mod reference;
+pub(crate) mod reference;
 pub mod response;
-pub mod sensitivity;
+pub(crate) mod sensitivity;
 pub mod tensions;
 
 pub use commands::Commands;

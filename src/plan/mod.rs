@@ -3,11 +3,11 @@
 mod aim;
 pub mod bisection;
 mod bounded;
-pub mod controller;
-pub mod exact;
+pub(crate) mod controller;
+pub(crate) mod exact;
 pub mod extremes;
-pub mod fault;
-pub mod interface;
+pub(crate) mod fault;
+pub(crate) mod interface;
 #[cfg(feature = "clarabel")]
 pub mod linear_program;
 mod margins;
@@ -16,7 +16,7 @@ pub mod minimum_time;
 pub mod nearest;
 pub mod orbit;
 pub mod planner;
-pub mod prediction;
+pub(crate) mod prediction;
 #[cfg(feature = "clarabel")]
 pub mod sequence;
 mod speed;

@@ -57,6 +57,7 @@ pub struct Obstacle {
 
 /// No plan can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SequenceError {
     /// No tensions tell what happens on the way.
     #[error("the way to a set point leads through a singular pose")]

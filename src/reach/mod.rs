@@ -1,19 +1,19 @@
 //! Section IV: where a step may go without slackening a cable. Static workspace (16), bounded reachable domain (15), exact
 //! domain; for rigs with any cables the static workspace, and the certificate of a step in all six coordinates.
 
-pub mod bounded;
+pub(crate) mod bounded;
 pub mod certificate;
-pub mod curve;
+pub(crate) mod curve;
 pub mod exact;
-pub mod half_plane;
+pub(crate) mod half_plane;
 #[cfg(feature = "clarabel")]
 pub mod quadratic_program;
 pub mod static_region;
-pub mod workspace;
+pub(crate) mod workspace;
 
 pub use bounded::BoundedDomain;
 pub use certificate::{Verdict, certify};
-pub use curve::Curve;
+pub use curve::{Curve, Extremes};
 pub use exact::ExactDomain;
 pub use half_plane::{HalfPlane, polygon};
 #[cfg(feature = "clarabel")]

@@ -24,6 +24,7 @@ pub struct ForwardSolution {
 
 /// No pose can be given for these lengths.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ForwardError {
     /// A length is not a positive number.
     #[error("cable length {cable} = {value} m: it must be finite and greater than 0")]

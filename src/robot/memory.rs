@@ -6,6 +6,7 @@ use super::{ParameterError, PerCable};
 
 /// Why no run can have left such a memory.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MemoryError {
     /// A parameter in it makes no sense.
     #[error(transparent)]

@@ -1,16 +1,16 @@
 //! Section II: the robot itself. Rigs, kinematics, dynamics.
 
 pub mod dynamics;
-pub mod forward;
-pub mod kinematics;
-pub mod memory;
+pub(crate) mod forward;
+pub(crate) mod kinematics;
+pub(crate) mod memory;
 pub mod parameters;
-pub mod per_cable;
+pub(crate) mod per_cable;
 pub mod pose;
-pub mod pulley;
+pub(crate) mod pulley;
 pub mod rig;
 pub mod rig_file;
-pub mod shape;
+pub(crate) mod shape;
 pub mod triangles;
 
 pub use forward::{ForwardError, ForwardSolution, forward_kinematics};
@@ -19,7 +19,7 @@ pub use memory::MemoryError;
 pub use parameters::{ParameterError, RobotParameters};
 pub use per_cable::{CableSet, MOST_CABLES, PerCable};
 pub use pose::{Coordinates, Pose};
-pub use pulley::Pulley;
+pub use pulley::{Pulley, Run};
 pub use rig::{Cable, DegenerateRig, LEAST_CABLES, Rig, TensionLimits};
 pub use rig_file::{RigFile, RigFileError};
-pub use shape::Shape;
+pub use shape::{OtherShape, Shape};

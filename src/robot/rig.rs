@@ -95,6 +95,7 @@ pub struct Rig {
 
 /// Why the cables of a rig cannot hold a platform.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DegenerateRig {
     /// A body has six degrees of freedom.
     #[error("cables: {count} given, at least 6 are needed to hold a body in space")]

@@ -31,6 +31,7 @@ pub struct RigFile {
 
 /// A rig file that is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RigFileError {
     /// No TOML, an unknown or missing field, or a value of the wrong kind.
     #[error(transparent)]

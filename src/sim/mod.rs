@@ -1,10 +1,10 @@
 //! Section VI: the plant and its integrator, the closed loop, and scenarios for it.
 
 pub mod body;
-pub mod bundled;
-pub mod closed_loop;
-pub mod continuous;
-pub mod integrator;
+pub(crate) mod bundled;
+pub(crate) mod closed_loop;
+pub(crate) mod continuous;
+pub(crate) mod integrator;
 pub mod plant;
 pub mod scenario;
 pub mod scenario_file;

@@ -34,6 +34,7 @@ pub struct ScenarioFile {
 
 /// A scenario file that is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ScenarioFileError {
     /// No TOML, an unknown or missing field, or a value of the wrong kind.
     #[error(transparent)]

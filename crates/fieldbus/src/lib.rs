@@ -12,7 +12,7 @@
 //! | [`files`] | it and the rig file that it names, on disk |
 //! | [`bus_load`] | what fits on a bus |
 //! | [`export`] | the bus as a DBC file, for bench tools |
-//! | [`controller`] | the library's controller in the place of the packed one |
+//! | [`LibraryController`] | the library's controller in the place of the packed one |
 //! | [`bridge`] | the state machine between all of these |
 //! | [`simulated`] | a lab without hardware |
 //! | [`ls_bus`] | bridge and lab as nodes of a bus simulated with FMI |
@@ -24,7 +24,7 @@ pub mod canopen;
 pub mod cia402;
 pub mod commission;
 pub mod config;
-pub mod controller;
+mod controller;
 pub mod export;
 pub mod files;
 pub mod frame;

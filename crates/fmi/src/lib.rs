@@ -7,7 +7,7 @@
 //! - [`variables`]: what a variable is; `models/` has the tables and the way from values to controller and plant;
 //! - [`values`]: one number a value reference;
 //! - [`lifecycle`]: which call is allowed when;
-//! - [`instance`]: what the calls do; [`state`]: what an instance is and how it is saved; [`log`]: what it says;
+//! - `instance`: what the calls do; `state`: what an instance is and how it is saved; [`log`]: what it says;
 //! - [`node`]: what an instance on CAN buses is besides; with the feature `can` there are such;
 //! - [`abi`]: the C functions, which translate pointers into the above and nothing else;
 //! - [`describe`]: the XML and the documentation, rendered from the tables; [`resources`]: the rig that an FMU carries.
@@ -20,13 +20,13 @@ pub mod archive;
 pub mod can;
 pub mod describe;
 pub mod error;
-pub mod instance;
+mod instance;
 pub mod lifecycle;
 pub mod log;
 pub mod models;
 pub mod node;
 pub mod resources;
-pub mod state;
+mod state;
 pub mod values;
 pub mod variables;
 

@@ -18,7 +18,7 @@ mod page;
 pub mod recording;
 mod run;
 pub mod run_folder;
-pub mod table;
+mod table;
 mod thinning;
 
 pub use compare::{CompareError, compare};

@@ -97,6 +97,7 @@ pub enum Cause {
 
 /// A question that makes no sense.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CertificateError {
     /// Fewer than six cables hold no platform.
     #[error("the rig has {0} cables: at least 6 are needed")]
