@@ -20,12 +20,13 @@ const WITHOUT: [&str; 10] = [
     "docs/violations.md",
 ];
 
-const BUDGETS: [(&str, usize); 24] = [
+const BUDGETS: [(&str, usize); 26] = [
     ("README.md", 450),
+    ("docs/architecture.md", 500),
     ("docs/can-addresses.md", 600),
     ("docs/can-bridge.md", 1500),
     ("docs/can-peers.md", 500),
-    ("docs/command-line.md", 1200),
+    ("docs/command-line.md", 1300),
     ("docs/commissioning.md", 1750),
     ("docs/controller.md", 1700),
     ("docs/fmu.md", 1300),
@@ -38,13 +39,14 @@ const BUDGETS: [(&str, usize); 24] = [
     ("docs/own-robot.md", 600),
     ("docs/paper.md", 1450),
     ("docs/python.md", 600),
-    ("docs/report.md", 1200),
+    ("docs/report.md", 1500),
     ("docs/rig.md", 3600),
     ("docs/rigs.md", 950),
     ("docs/scenarios.md", 700),
     ("docs/studies.md", 1050),
     ("docs/troubleshooting.md", 700),
     ("docs/trust.md", 700),
+    ("docs/versioning.md", 300),
 ];
 
 /// But for code, printed sessions (fenced, or four spaces in) and what lies between marks of a command's output.
