@@ -1,4 +1,4 @@
-//! The C functions of both standards: they turn pointers into slices, call [`Instance`], and turn errors into statuses.
+//! The C functions of both standards: they turn pointers into slices, call `Instance`, and turn errors into statuses.
 //!
 //! This is the only place of the library with `unsafe`. Every function goes through `call` (or `instantiate`), so
 //! that the order of calls is checked, errors are reported, no panic reaches C and the host's floating-point environment stays
