@@ -4,3 +4,4 @@
 pub mod command;
 pub mod errors;
 pub mod plain;
+pub mod shell;

@@ -4,10 +4,10 @@ use std::io::{Write, stdout};
 
 use anyhow::Result;
 use cable_robot::sim::BUNDLED;
-use clap::{Args, Command, CommandFactory, ValueEnum, ValueHint};
-use clap_complete::{Generator, shells};
+use clap::{Args, Command, CommandFactory, ValueHint};
 
 use crate::command::{Arguments, Outcome};
+use crate::shell::Shell;
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot completions bash
@@ -20,33 +20,20 @@ pub struct Completions {
     shell: Shell,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Shell {
-    Bash,
-    Zsh,
-    Fish,
-}
-
 impl Completions {
     pub fn run(&self) -> Result<Outcome> {
         let script = match self.shell {
             // clap_complete spells a name with a hyphen in two ways (clap-rs/clap issue 6421), so that no option is found.
             Shell::Bash => {
-                script(shells::Bash, with_scenarios()).replace("cable__subcmd__robot", "cable__robot")
+                self.shell.script(with_scenarios()).replace("cable__subcmd__robot", "cable__robot")
             }
             // In zsh names would stand in place of files.
-            Shell::Zsh => script(shells::Zsh, Arguments::command()),
-            Shell::Fish => script(shells::Fish, with_scenarios()) + &fish_values(&with_scenarios()),
+            Shell::Zsh => self.shell.script(Arguments::command()),
+            Shell::Fish => self.shell.script(with_scenarios()) + &fish_values(&with_scenarios()),
         };
         stdout().write_all(script.as_bytes())?;
         Ok(Outcome::Done)
     }
-}
-
-fn script(shell: impl Generator, mut command: Command) -> String {
-    let mut script = vec![];
-    clap_complete::generate(shell, &mut command, "cable-robot", &mut script);
-    String::from_utf8_lossy(&script).into_owned()
 }
 
 /// The command, `simulate` with the names of the bundled scenarios. It takes files as well, which shells offer where no name fits.

@@ -8,6 +8,7 @@ mod contours;
 mod export;
 mod figure;
 mod fmu;
+mod man;
 mod modelica;
 mod opener;
 mod orbit;
@@ -115,6 +116,9 @@ enum Task {
     /// Completions for a shell, to stdout
     #[command(after_help = completions::EXAMPLE)]
     Completions(completions::Completions),
+    /// Pages for man, one a command, into a folder
+    #[command(after_help = man::EXAMPLE)]
+    Man(man::Man),
 }
 
 /// What an exit code tells apart.
@@ -172,6 +176,7 @@ fn execute(task: Task) -> anyhow::Result<Outcome> {
             cable_robot_import::serve().map(|()| Outcome::Done).with_context(|| FMU_WORKER.to_owned())
         }
         Task::Completions(task) => task.run(),
+        Task::Man(task) => task.run(),
     }
 }
 

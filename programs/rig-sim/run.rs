@@ -16,6 +16,7 @@ use cable_robot_fieldbus::transport::now;
 use cable_robot_fieldbus::{Config, Files, Frame, Nanoseconds};
 use cable_robot_files::read_text;
 use cable_robot_programs::plain::plain;
+use cable_robot_programs::shell;
 use clap::Parser;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
@@ -64,7 +65,7 @@ struct Arguments {
 
 /// Reads the command line, opens the buses, and runs until it is told to stop.
 pub fn main() -> Result<()> {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = shell::parse();
     let config = Files::read(&arguments.fieldbus)?.config;
     let mut script = Script::new(config.rig.cables.len());
     if let Some(path) = &arguments.script {

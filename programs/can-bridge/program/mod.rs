@@ -37,7 +37,7 @@ use cable_robot::robot::PerCable;
 use cable_robot_fieldbus::bridge::{Bridge, Identity};
 use cable_robot_fieldbus::transport;
 use cable_robot_fieldbus::{Config, Files, bus_load, export};
-use cable_robot_programs::errors;
+use cable_robot_programs::{errors, shell};
 use clap::Parser;
 
 use commissioned::Record;
@@ -155,7 +155,7 @@ impl From<Outcome> for ExitCode {
 
 /// The program.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = shell::parse();
     let code = match terminal::start().and_then(|()| run(&arguments)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {

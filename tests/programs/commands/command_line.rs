@@ -394,7 +394,7 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 fn help_of_every_command_has_an_example_and_the_exit_codes_stand_in_the_first() {
     let (help, _) = written(0, &["--help"]);
     assert!(help.contains("Exit codes: 0 done, 1 error, 2 wrong usage, 3 goal not reachable"), "{help}");
-    for task in ["workspace", "reach", "plan", "simulate", "certify", "schema", "completions"] {
+    for task in ["workspace", "reach", "plan", "simulate", "certify", "schema", "completions", "man"] {
         let (help, _) = written(0, &[task, "--help"]);
         let example = help.lines().find_map(|line| line.strip_prefix("Example: cable-robot ")).expect(task);
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What shells complete after `cable-robot`.
+//! What shells complete after the names of the programs, and their pages for `man`.
 
 use std::fs;
 use std::process::Command;
@@ -76,4 +76,40 @@ fn zsh_and_fish_are_told_the_options() {
     let scenario =
         completions("zsh").lines().find(|line| line.starts_with("'::scenario")).unwrap().to_owned();
     assert!(scenario.contains("_files"), "{scenario}");
+}
+
+#[test]
+fn the_other_programs_print_completions_and_their_page() {
+    for (program, option) in
+        [(env!("CARGO_BIN_EXE_can-bridge"), "replay"), (env!("CARGO_BIN_EXE_rig-sim"), "motor-lag")]
+    {
+        let run = |arguments: &[&str]| {
+            let output = Command::new(program).args(arguments).output().unwrap();
+            (output.status.code(), String::from_utf8(output.stdout).unwrap())
+        };
+        for shell in ["bash", "zsh", "fish"] {
+            let (code, script) = run(&["--completions", shell]);
+            assert!(code == Some(0) && script.contains(option), "{shell}: {script}");
+        }
+        let (code, page) = run(&["--man"]);
+        assert!(
+            code == Some(0) && page.contains(".TH ") && page.contains(&option.replace('-', "\\-")),
+            "{page}"
+        );
+        // Without a file, which other runs need; not beside other options.
+        assert_eq!(run(&["--man", "rig.toml"]).0, Some(2));
+        assert_eq!(run(&["--completions", "dash"]).0, Some(2));
+    }
+}
+
+#[test]
+fn each_command_has_a_page_for_man() {
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("share/man1");
+    let output = Command::new(env!("CARGO_BIN_EXE_cable-robot")).arg("man").arg(&pages).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for name in ["cable-robot", "cable-robot-plan", "cable-robot-certify", "cable-robot-study"] {
+        let page = fs::read_to_string(pages.join(format!("{name}.1"))).unwrap();
+        assert!(page.contains(".TH ") && page.contains(".SH SYNOPSIS"), "{page}");
+    }
 }
