@@ -153,7 +153,7 @@ class Judge:
 
     def _bounds(self, segment, given, middle, whole):
         """The lemma of docs/proof.md over a segment, whose functions are given in its middle and over all of it."""
-        _, levers, beside, _, _ = given
+        _, levers, beside, *_ = given
         order = ctx.cap - 1
         residual = beside * models(middle[2], whole[2], order) * bernstein(order)
         r = [largest([abs(x).upper() for x in row]) for row in residual.tolist()]

@@ -17,7 +17,7 @@ const WATCHDOG: f64 = 2000.0;
 const GRAIN: f64 = 200.0;
 /// The cycles that the bridge rides through, and the one in which it gives up, ms: on a bus without room heartbeats may get through, and keep
 /// the watchdog calm, where torques do not.
-const RIDDEN: f64 = 51.0 * 10.0;
+const RIDDEN: f64 = 101.0 * 10.0;
 
 type Outcomes = Result<BTreeMap<String, Outcome>, String>;
 
@@ -70,16 +70,16 @@ fn boot() -> Outcomes {
     machine.run().map_err(|error| format!("{error:#}"))
 }
 
-/// The example, for a machine that is ten times slower than it seems.
+/// The example, for a machine that is ten times slower than it seems, and stands still for a second now and then.
 fn rig_text() -> Result<String, String> {
     let mut rig = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../rigs/can/akd.toml"))
         .map_err(|error| error.to_string())?;
     for (from, to) in [
         ("rate = 250.0 ", "rate = 100.0 "),
-        ("lost_cycles = 4 ", "lost_cycles = 50 "),
+        ("lost_cycles = 4 ", "lost_cycles = 100 "),
         ("timeout = 0.1 ", "timeout = 5.0 "),
         ("drive_watchdog = 0.1 ", "drive_watchdog = 2.0 "),
-        ("enable = 0.5 ", "enable = 2.0 "),
+        ("enable = 0.5 ", "enable = 5.0 "),
         ("service = 0.5 ", "service = 5.0 "),
         ("ramp = 2.0 ", "ramp = 0.5 "),
     ] {

@@ -137,7 +137,7 @@ impl Kernel {
 /// Runs the machine until it switches itself off; what its console showed.
 fn boot(kernel: &Path, image: &Path) -> Result<String> {
     let console = run(Command::new("timeout")
-        .args(["300", "qemu-system-x86_64", "-no-user-config", "-nodefaults", "-display", "none"])
+        .args(["900", "qemu-system-x86_64", "-no-user-config", "-nodefaults", "-display", "none"])
         .args(["-no-reboot", "-accel", "tcg", "-m", "192M", "-serial", "stdio", "-append"])
         .arg("console=ttyS0 quiet loglevel=3 panic=-1")
         .arg("-kernel")
