@@ -136,6 +136,18 @@ fn run(root: &Path, program: &str, arguments: &[&str]) -> Result<Outcome> {
     })
 }
 
+/// One command after the other, until one fails.
+fn run_all<const N: usize>(root: &Path, commands: [(&str, Vec<&str>); N]) -> Result<Outcome> {
+    let mut passed = 0;
+    for (program, arguments) in commands {
+        match run(root, program, &arguments)? {
+            Outcome::Passed(tests) => passed += tests,
+            other => return Ok(other),
+        }
+    }
+    Ok(Outcome::Passed(passed))
+}
+
 /// The figure in `test result: ok. 12 passed; 0 failed` of cargo and `12 passed in 3.45s` of pytest.
 fn tests_passed(line: &str) -> usize {
     let is_summary =
@@ -190,15 +202,8 @@ fn virtual_machine(root: &Path) -> Result<Outcome> {
         ));
     }
     let suites = [&["virtual_machine", "host", "--", "--ignored"][..], &["fault_matrix", "--", "--ignored"]];
-    let mut passed = 0;
-    for suite in suites {
-        // Of the workspace, whose features the tests before were compiled with.
-        match run(root, "cargo", &[&["test", "--workspace", "--test"], suite].concat())? {
-            Outcome::Passed(tests) => passed += tests,
-            other => return Ok(other),
-        }
-    }
-    Ok(Outcome::Passed(passed))
+    // Of the workspace, whose features the tests before were compiled with.
+    run_all(root, suites.map(|suite| ("cargo", [&["test", "--workspace", "--test"], suite].concat())))
 }
 
 /// Compiled, packed and checked.
@@ -243,20 +248,14 @@ fn exported(root: &Path) -> Result<Outcome> {
         ["--package", "cable-robot-report", "--package", "cable-robot-programs", "--features", "export"];
     let requirements = root.join("fmpy-tests/export/requirements.txt");
     let python = python::environment(&requirements, "tools/export")?.join("bin/python");
+    let python = python.display().to_string();
     let steps = [
         ("cargo", [&["clippy"], &PACKAGES[..], &["--all-targets", "--", "-D", "warnings"]].concat()),
         ("cargo", [&["test"], &PACKAGES[..], &["--lib", "export"]].concat()),
         ("cargo", [&["build"], &PACKAGES[..], &["--bin", "cable-robot"]].concat()),
-        (&python.display().to_string(), vec!["-m", "pytest", "--quiet", "fmpy-tests/export/exported.py"]),
+        (&python, vec!["-m", "pytest", "--quiet", "fmpy-tests/export/exported.py"]),
     ];
-    let mut passed = 0;
-    for (program, arguments) in steps {
-        match run(root, program, &arguments)? {
-            Outcome::Passed(tests) => passed += tests,
-            other => return Ok(other),
-        }
-    }
-    Ok(Outcome::Passed(passed))
+    run_all(root, steps)
 }
 
 /// The name in `test NAME ... FAILED` of cargo and `FAILED NAME - why` of pytest.
