@@ -25,8 +25,8 @@ pub(super) struct Encoder {
     /// Cycles since the last value believed.
     pub missed: u32,
     is_frozen: bool,
-    /// Whether the value believed in this cycle is another than the one before.
-    pub has_changed: bool,
+    /// Whether the value that came in this cycle is another than the one before; nothing where none came.
+    pub has_changed: Option<bool>,
     /// Whether what it says cannot be believed any more.
     pub has_failed: bool,
 }
@@ -54,7 +54,7 @@ impl Encoder {
         self.is_alive(limits) && !self.has_failed
     }
 
-    /// m, and m/s while values come.
+    /// m, and m/s while values come; nothing is carried on.
     pub fn last_measured(&self) -> (f64, f64) {
         (self.true_length, if self.missed == 0 { self.rate } else { 0.0 })
     }
@@ -86,9 +86,9 @@ impl Encoder {
     ) -> Result<(), Fault> {
         let arrived = self.arrived.take();
         let dt = now.saturating_sub(self.time).max(1) as f64 * 1e-9;
-        self.is_frozen = arrived.is_some() && arrived == self.counts && self.rate.abs() > limits.freeze_speed;
+        self.has_changed = arrived.map(|counts| Some(counts) != self.counts);
+        self.is_frozen = self.has_changed == Some(false) && self.rate.abs() > limits.freeze_speed;
         let believed = arrived.filter(|_| !self.is_frozen);
-        self.has_changed = believed.is_some() && believed != self.counts;
         let Some(counts) = believed else {
             self.missed = self.missed.saturating_add(1);
             self.length = self.true_length + self.rate * dt;

@@ -94,18 +94,20 @@ impl Bridge {
         self.had_no_room = false;
     }
 
-    /// An encoder that says the same to the last count while another cable moved by `freeze_travel` is frozen.
+    /// An encoder that says the same to the last count while another cable moved by `freeze_travel` is frozen. Only what was measured
+    /// counts: an encoder that says nothing does not say the same, and a length that is carried on is no motion.
     fn compare_encoders(&mut self, is_compared: bool) -> Result<(), Fault> {
-        let lengths = self.lengths();
+        let lengths = PerCable::from_fn(self.cables(), |i| self.drives[i].encoder.last_measured().0);
         let is_sound = PerCable::from_fn(self.cables(), |i| self.is_sound(i));
         for i in 0..self.cables() {
             let travel = self.config.limits.freeze_travel.max(self.blind_travel(i));
             let encoder = &mut self.drives[i].encoder;
-            if encoder.has_changed || !is_compared {
+            if encoder.has_changed == Some(true) || !is_compared {
                 self.still_since[i] = lengths;
             }
             let moved = |j: usize| (lengths[j] - self.still_since[i][j]).abs();
-            if is_sound[i] && (0..lengths.len()).any(|j| is_sound[j] && moved(j) > travel) {
+            let says_the_same = is_sound[i] && encoder.has_changed == Some(false);
+            if says_the_same && (0..lengths.len()).any(|j| is_sound[j] && moved(j) > travel) {
                 encoder.has_failed = true;
                 return Err(Fault::EncoderFrozen { cable: i + 1 });
             }

@@ -276,6 +276,27 @@ fn encoders_that_are_silent_for_a_moment_are_believed_again() {
     assert!(descent.tilt < 0.05, "{descent:?}");
 }
 
+/// A length that is carried on over missing values is no motion beside which an encoder that says nothing stands still.
+#[test]
+fn encoders_that_all_are_silent_while_it_comes_down_are_not_called_frozen() {
+    let mut bench = rig(0.2, |_| {});
+    bench.bridge.config.limits.lost_cycles = 100;
+    let mut bench = hanging(bench);
+    command(&mut bench, OperatorCommand::Lower);
+    watch(&mut bench, State::Lowering, 5.0);
+    bench.run(2.0);
+    let speed = bench.rig.plant().velocity.norm();
+    for words in ["silent", "well"] {
+        (1..=6).for_each(|cable| bench.suffer(&format!("drive {cable} {words}")).unwrap());
+        bench.run(0.3);
+    }
+    let travel = bench.bridge.config.limits.freeze_travel;
+    assert!(0.3 * speed > travel, "{speed} m/s: slower than what would be found");
+    assert_eq!(bench.bridge.fault, None, "{:?}", bench.events);
+    let descent = watch(&mut bench, State::Homing, 20.0);
+    assert_landed("all silent", &bench, &descent);
+}
+
 /// Five cables do not carry it level: it swings aside, is held askew, and comes down so, to its stand or beside it to the floor.
 #[test]
 fn with_one_drive_lost_it_is_let_down_until_nothing_pulls() {
