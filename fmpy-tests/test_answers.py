@@ -86,8 +86,26 @@ def described(schema, place):
         for part in schema:
             yield from described(part, place)
     elif isinstance(schema, dict):
-        for name, field in schema.get("properties", {}).items():
+        fields = schema.get("properties", {})
+        for name, field in fields.items():
             if not isinstance(field, dict) or "const" not in field:
-                yield f"{place}.{name}", field.get("description")
+                # What is one of several says it itself.
+                yield f"{place}.{name}", field.get("description") or len(fields) == 1 and schema.get("description")
         for name, part in schema.items():
             yield from described(part, f"{place}.{name}")
+
+
+@pytest.mark.parametrize("scenario", ["paper", "orbit"])
+def test_a_recorded_run_conforms_and_one_that_lacks_a_field_does_not(scenario, tmp_path):
+    schema = json.loads(command("schema", "run")[1])
+    validator = jsonschema.Draft202012Validator(schema)
+    assert command("simulate", scenario, "--output", str(tmp_path))[0] == 0
+    run = json.loads((tmp_path / "run.json").read_text())
+    assert [error.message for error in validator.iter_errors(run)] == []
+    for part in (run, run["controllerParameters"], run["plantParameters"]["rig"]):
+        for name in set(part) - {"orbit"}:
+            value = part.pop(name)
+            assert not validator.is_valid(run), f"without {name}"
+            part[name] = value
+    fields = dict(described(schema, "run"))
+    assert [name for name, text in fields.items() if not text] == []

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use cable_robot::robot::rig_file;
 use cable_robot::sim::scenario_file;
+use cable_robot_report::run_folder::RunInfo;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -39,6 +40,8 @@ enum Kind {
     Simulate,
     /// What `tensions --json` prints
     Tensions,
+    /// `run.json` of a run folder
+    Run,
 }
 
 impl Schema {
@@ -53,6 +56,7 @@ impl Schema {
             Kind::Workspace => printed::<workspace::answer::Answer>(),
             Kind::Simulate => printed::<simulate::answer::OneOrSeveral>(),
             Kind::Tensions => printed::<tensions::Answer>(),
+            Kind::Run => printed::<RunInfo>(),
         })?;
         Ok(Outcome::Done)
     }

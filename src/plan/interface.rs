@@ -1,6 +1,7 @@
 //! What goes into the controller and what comes out: parameters, inputs, outputs.
 
 use nalgebra::Vector6;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
@@ -11,7 +12,7 @@ use crate::robot::parameters::require;
 use crate::robot::{Coordinates, ParameterError, PerCable, Pose, Rig, RobotParameters, Shape, TensionLimits};
 
 /// How the next set point is found. The numbers are the FMU's enumeration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum PlannerKind {
     /// The paper's reachable domain, Eq. (15): steps in x and y from rest.
     Bounded = 1,
@@ -72,7 +73,7 @@ impl PlannerKind {
 }
 
 /// Where the measured pose comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum PoseSource {
     /// The input `encoderPose`.
     EncoderPose,
@@ -90,7 +91,7 @@ const MOST_CABLES: usize = 10;
 const MAX_GAIN: f64 = 1000.0;
 
 /// Parameters of the controller; the defaults are Tables I and II.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ControllerParameters {
     /// The rig under control.
@@ -109,7 +110,7 @@ pub struct ControllerParameters {
     pub pose_source: PoseSource,
     /// Whether the load cells correct the motors (Section VII).
     pub force_loop: bool,
-    /// Distance from a pose, m, and speed, m/s, up to which the robot counts as at rest there; 0 follows the rig's size ([`Rest`]).
+    /// Distance from a pose, m, and speed, m/s, up to which the robot counts as at rest there; 0 follows the rig's size.
     pub position_tolerance: f64,
     /// The same for each angle, rad and rad/s; 0 for the default.
     pub angle_tolerance: f64,

@@ -1,6 +1,7 @@
 //! The six coordinates of the platform.
 
 use nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Generalised coordinates q = (x, y, z, roll, pitch, yaw) or their rates, in m and rad.
@@ -14,8 +15,8 @@ pub const PITCH: usize = 4;
 pub const LARGEST_PITCH: f64 = 1.4;
 
 /// Pose of the platform in the base frame (origin at the centre of the base plane, z down).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pose(pub Coordinates);
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Pose(#[schemars(with = "[f64; 6]")] pub Coordinates);
 
 impl Pose {
     /// A pose without rotation.

@@ -1,15 +1,17 @@
 //! Guide pulleys that swivel: the cable leaves at a point that moves with the platform (docs/kinematics.md).
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A pulley at the anchor of a cable. The cable runs along `axis` from the winch onto the wheel at the anchor; the wheel swivels about that
 /// line, so that it always faces the attachment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Pulley {
     /// Radius of the wheel, to the middle of the cable, m.
     pub radius: f64,
     /// Unit vector, base frame: the way the cable runs at the anchor, from the winch.
+    #[schemars(with = "[f64; 3]")]
     pub axis: Vector3<f64>,
 }
 

@@ -1,6 +1,7 @@
 //! Any rig: cables from anchors on a base to attachments on a platform, what hangs from them, and what they may pull.
 
 use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -18,12 +19,13 @@ pub const SINGULARITY_THRESHOLD: f64 = 1e-6;
 const FLATNESS: f64 = 1e-9;
 
 /// Tensions that the drive of a cable and the cable allow, N. By default a cable may pull with anything and be slack.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TensionLimits {
     /// Least tension; at zero the cable is slack.
     pub min: f64,
     /// Greatest tension; infinite where nothing limits it.
     #[serde(with = "unlimited")]
+    #[schemars(with = "Option<f64>")]
     pub max: f64,
 }
 
@@ -60,11 +62,13 @@ impl Default for TensionLimits {
 }
 
 /// One cable of a rig.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cable {
     /// Where it leaves the base, m, base frame. With a pulley: the point on the pulley's swivel axis where the cable runs onto it.
+    #[schemars(with = "[f64; 3]")]
     pub anchor: Vector3<f64>,
     /// Where it holds the platform, m, in the platform's frame, whose origin is the centre of mass.
+    #[schemars(with = "[f64; 3]")]
     pub attachment: Vector3<f64>,
     /// What it may pull.
     pub limits: TensionLimits,
@@ -75,21 +79,25 @@ pub struct Cable {
 /// A rig of six or more cables: plain data.
 ///
 /// The base frame is the user's: its origin is anywhere, and `gravity` says where down is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Rig {
     /// In the order of the cable numbers.
+    #[schemars(with = "Vec<Cable>")]
     pub cables: PerCable<Cable>,
     /// Mass of the platform, kg.
     pub mass: f64,
     /// Inertia of the platform about its centre of mass, platform frame, kg m²: symmetric.
+    #[schemars(with = "[f64; 9]")]
     pub inertia: Matrix3<f64>,
     /// Gravitational acceleration, m/s², base frame.
+    #[schemars(with = "[f64; 3]")]
     pub gravity: Vector3<f64>,
     /// Anchors and attachments lie within this distance of where they are said to be, m.
     pub accuracy: f64,
     /// What acts on the platform besides cables and weight: (force, torque about the centre of mass), N and N m, base frame. No rig file
     /// says it: the controller's observer estimates it.
     #[serde(default)]
+    #[schemars(with = "[f64; 6]")]
     pub disturbance: Vector6<f64>,
 }
 

@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -32,10 +33,10 @@ pub const REPORT_HTML: &str = "report.html";
 pub const COMPARISON_HTML: &str = "comparison.html";
 
 /// What was run, and with what.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RunInfo {
-    /// [`FORMAT`] when it was written.
+    /// Number of the format.
     pub format: u32,
     /// Version of the program that wrote it.
     pub program_version: String,
@@ -61,7 +62,7 @@ pub struct RunInfo {
 }
 
 /// Where controller or plant came from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub enum Model {
     /// The library's own.

@@ -9,6 +9,7 @@ mod ramp;
 use std::f64::consts::TAU;
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::control::Reference;
@@ -28,7 +29,7 @@ pub const LOBES: u32 = 3;
 const LONGEST_START: f64 = 40.0;
 
 /// What an orbit draws about its centre, in the level coordinates x and y.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Figure {
     /// Of this radius.
@@ -119,7 +120,7 @@ impl fmt::Display for Orbit {
 
 /// An orbit from rest to rest: with the figure grown from its centre, gone round, and shrunk into its centre
 /// again.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Orbit {
     /// Where it begins and ends; height and orientation stay.
     pub centre: Pose,
