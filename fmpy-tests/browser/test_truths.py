@@ -62,6 +62,20 @@ def test_nothing_is_cut_off_from_wherever_one_looks(open_report, paper):
                 assert 0 <= x <= box["width"] and 0 <= y <= box["height"], (key, x, y)
 
 
+def test_the_static_workspace_is_drawn_in_space_and_whole(open_report, paper):
+    page = open_report(paper)
+    box = page.locator("#scene").bounding_box()
+    page.locator("#scene").focus()
+    for key in ["ArrowUp"] * 15 + ["ArrowLeft"] * 10:
+        page.keyboard.press(key)
+        paths = [section.get_attribute("d") for section in page.locator("#scene .section").all()]
+        numbers = [[float(number) for number in re.findall(r"-?[\d.]+", path)] for path in paths]
+        assert [len(each) for each in numbers] == [12] * 5, "five hexagons"
+        for each in numbers:
+            assert all(0 <= x <= box["width"] for x in each[::2]) and all(0 <= y <= box["height"] for y in each[1::2])
+    assert "static workspace at some heights" in page.locator("#robot").inner_text()
+
+
 def test_a_goal_that_was_replaced_is_not_called_missed(open_report, detour):
     page = open_report(detour)
     chip = page.locator(".verdict li", has_text="goals reached")

@@ -10,8 +10,8 @@ use super::events::{Kind, StateSpan, state_spans};
 use super::explanation;
 use super::history::{History, status_name};
 use super::thinning::rounded;
+use super::workspace::{Section, sections, workspace};
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
-use cable_robot::reach::{Slice, polygon, static_workspace};
 use cable_robot::robot::triangles::FACET_NORMALS;
 use cable_robot::robot::{Pose, Rig};
 
@@ -21,9 +21,6 @@ const FINE: f64 = 1e6;
 const NEWTON: f64 = 1e4;
 /// More set points or goals than these are no longer told apart: the first ones are listed, and drawn is what the drawn rows show.
 pub const MANY: usize = 100;
-
-/// Points of the outline of a workspace that is no polygon known beforehand.
-const OUTLINE: usize = 180;
 
 /// Lengths in m, tensions in N, times in s, `row` an index into the drawn rows.
 #[derive(Serialize)]
@@ -40,8 +37,9 @@ pub struct Data {
     /// Distance of the facets from the middle.
     apothem: f64,
     /// Outline of the static workspace, and at which height it is drawn: of the paper's rig at that of the base, where p is.
-    workspace: Vec<[f64; 2]>,
-    workspace_height: f64,
+    workspace: Section,
+    /// At some heights round where the platform went.
+    sections: Vec<Section>,
     limits: Limits,
     /// Greatest tension measured, and the one from which on a cable has the last colour: that follows from the rig, so that runs can be
     /// compared.
@@ -122,7 +120,6 @@ impl Data {
         let limits = history.info.controller_parameters.rig.common_limits();
         let facets = history.paper.map_or(vec![], |_| FACET_NORMALS.to_vec());
         let apothem = history.paper.map_or(0.0, |robot| robot.a / 2.0);
-        let (workspace, workspace_height) = workspace(history, rig);
         let chosen = |i: usize| SetPoint {
             number: i,
             row: place(set_points[i]),
@@ -144,8 +141,8 @@ impl Data {
             normals: facets.iter().map(|normal| (*normal).into()).collect(),
             facets: facets.iter().map(|normal| facet((*normal).into(), apothem)).collect(),
             apothem,
-            workspace,
-            workspace_height,
+            workspace: workspace(history, rig),
+            sections: sections(history, rig),
             limits: Limits {
                 min: limits.min,
                 max: limits.max.is_finite().then_some(limits.max),
@@ -250,22 +247,6 @@ fn shown(drawn: &[usize], set_points: &[usize], goals: &[usize]) -> Vec<usize> {
 /// A share of the weight that a cable seldom bears, or the limit if that is less, N.
 pub fn colour_top(rig: &Rig, limit: f64) -> f64 {
     (3.0 * rig.weight() / rig.cables.len() as f64).min(limit)
-}
-
-/// Outline of the static workspace, and the height at which it is drawn, m: of the paper's rig the hexagon (16), in the base plane; of others
-/// the border round the last pose, at its height and orientation. Nothing if the platform cannot be held there.
-fn workspace(history: &History, rig: &Rig) -> (Vec<[f64; 2]>, f64) {
-    if let Some(robot) = &history.paper {
-        let hexagon = polygon(&static_workspace(robot), 2.0 * robot.a);
-        return (hexagon.iter().map(|vertex| (*vertex).into()).collect(), 0.0);
-    }
-    let last = &history.set_point[history.len() - 1];
-    let (middle, height) = (last.position().xy(), last.0[2]);
-    let slice = Slice { rig, height, angles: last.angles() };
-    if slice.margin(&middle) < 0.0 {
-        return (vec![], height);
-    }
-    (slice.boundary(&middle, OUTLINE).into_iter().map(Into::into).collect(), height)
 }
 
 /// Both ends of the side of a regular hexagon whose outward normal this is.

@@ -20,6 +20,7 @@ mod run;
 pub mod run_folder;
 mod table;
 mod thinning;
+mod workspace;
 
 pub use compare::{CompareError, compare};
 pub use digest::Digest;

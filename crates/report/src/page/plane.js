@@ -9,7 +9,7 @@ function plane(box, run, runs = [run]) {
   function scaled(width, height) {
     const reach = run.apothem ? 2.2 * run.apothem : Infinity;
     const near = (v) => Math.max(-reach, Math.min(reach, v));
-    const points = runs.flatMap(({ workspace, setPoints, goals }) => [...workspace, ...setPoints.map((s) => s.pose), ...goals.map((g) => g.pose)]);
+    const points = runs.flatMap(({ workspace, setPoints, goals }) => [...workspace.outline, ...setPoints.map((s) => s.pose), ...goals.map((g) => g.pose)]);
     const side = [0, 1].map((k) => {
       const ways = runs.flatMap((run) => [Math.min(...run.rows.pose[k]), Math.max(...run.rows.pose[k])]);
       const values = [...points.map((p) => p[k]), ...ways].map(near);
@@ -24,7 +24,7 @@ function plane(box, run, runs = [run]) {
     at = scaled(width, height);
     const line = (points, name, closed) => shape(svg, "path", { class: name, d: pathOf(points.map(at), closed) });
     parts = {};
-    line(run.workspace, "hexagon", true);
+    line(run.workspace.outline, "hexagon", true);
     parts.domains = run.setPoints.map((s) => (s.domain ? line(s.domain, "domain", true) : null));
     scaleBar(svg, width, height);
     const thin = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 600) === 0 || k === all.length - 1);

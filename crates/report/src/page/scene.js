@@ -74,8 +74,9 @@ function scene(box, run) {
   // A sphere round everything: it fits into the picture from wherever one looks.
   const size3 = Math.max(...run.attachments.map((a) => Math.hypot(...a)));
   const centres = [...rows.pose[0].map((_, k) => poseAt(run, k)), ...run.setPoints.map((s) => s.pose)];
+  const sections = run.sections.map(({ height, outline }) => outline.map(([x, y]) => [x, y, height]));
   const distance = (p) => Math.hypot(p[0] - midX, p[1] - midY, flip * p[2] - top - depth / 2);
-  const radius = Math.max(...run.anchors.map(distance), ...centres.map((p) => distance(p) + size3));
+  const radius = Math.max(...[...run.anchors, ...sections.flat()].map(distance), ...centres.map((p) => distance(p) + size3));
   const far = 4 * (wide + depth) + radius;
   const way = rows.time.map((_, k) => k).filter((k, _, all) => k % Math.ceil(all.length / 250) === 0);
 
@@ -91,6 +92,7 @@ function scene(box, run) {
   function draw(svg, width, height) {
     size = [width, height];
     parts = { base: shape(svg, "path", { class: "base" }), hexagon: shape(svg, "path", { class: "hexagon" }) };
+    parts.sections = sections.map(() => shape(svg, "path", { class: "section" }));
     parts.axes = ["x", "y", "z"].map((name) => [shape(svg, "path", { class: "axis" }), shape(svg, "text", { class: "soft" }, name)]);
     parts.ahead = shape(svg, "path", { class: "path ahead" });
     parts.path = shape(svg, "path", { class: "path" });
@@ -110,7 +112,8 @@ function scene(box, run) {
   function turn() {
     if (!parts) return;
     set(parts.base, { d: pathOf(base.map(project), true) });
-    set(parts.hexagon, { d: pathOf(run.workspace.map(([x, y]) => project([x, y, run.workspaceHeight])), true) });
+    set(parts.hexagon, { d: pathOf(run.workspace.outline.map(([x, y]) => project([x, y, run.workspace.height])), true) });
+    sections.forEach((outline, k) => set(parts.sections[k], { d: pathOf(outline.map(project), true) }));
     base.forEach((anchor, k) => { const [cx, cy] = project(anchor); set(parts.anchors[k], { cx, cy }); });
     [0, 1, 2].map((k) => [0, 1, 2].map((i) => (i === k ? 0.23 * wide : 0))).forEach((end, k) => {
       const [from, to] = [project([0, 0, 0]), project(end)], [line, name] = parts.axes[k];
