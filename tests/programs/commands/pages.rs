@@ -37,7 +37,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/modelica.md", 500),
     ("docs/overview.md", 600),
     ("docs/own-robot.md", 600),
-    ("docs/paper.md", 1450),
+    ("docs/paper.md", 1100),
     ("docs/python.md", 600),
     ("docs/report.md", 1500),
     ("docs/rig.md", 3600),
