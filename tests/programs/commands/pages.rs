@@ -43,7 +43,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/rig.md", 3600),
     ("docs/rigs.md", 950),
     ("docs/scenarios.md", 700),
-    ("docs/studies.md", 1050),
+    ("docs/studies.md", 700),
     ("docs/troubleshooting.md", 700),
     ("docs/trust.md", 700),
     ("docs/versioning.md", 300),
