@@ -41,7 +41,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/python.md", 600),
     ("docs/report.md", 1500),
     ("docs/rig.md", 3600),
-    ("docs/rigs.md", 700),
+    ("docs/rigs.md", 650),
     ("docs/scenarios.md", 700),
     ("docs/studies.md", 700),
     ("docs/troubleshooting.md", 700),
