@@ -42,7 +42,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/report.md", 1500),
     ("docs/rig.md", 3600),
     ("docs/rigs.md", 650),
-    ("docs/scenarios.md", 700),
+    ("docs/scenarios.md", 550),
     ("docs/studies.md", 700),
     ("docs/troubleshooting.md", 700),
     ("docs/trust.md", 700),
