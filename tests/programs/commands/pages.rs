@@ -44,7 +44,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/rigs.md", 650),
     ("docs/scenarios.md", 550),
     ("docs/studies.md", 700),
-    ("docs/troubleshooting.md", 700),
+    ("docs/troubleshooting.md", 500),
     ("docs/trust.md", 700),
     ("docs/versioning.md", 300),
 ];
