@@ -36,7 +36,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/ls-bus.md", 850),
     ("docs/modelica.md", 500),
     ("docs/overview.md", 600),
-    ("docs/own-robot.md", 600),
+    ("docs/own-robot.md", 500),
     ("docs/paper.md", 1100),
     ("docs/python.md", 600),
     ("docs/report.md", 1500),
