@@ -38,7 +38,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/overview.md", 600),
     ("docs/own-robot.md", 500),
     ("docs/paper.md", 1100),
-    ("docs/python.md", 600),
+    ("docs/python.md", 450),
     ("docs/report.md", 1500),
     ("docs/rig.md", 3600),
     ("docs/rigs.md", 650),
