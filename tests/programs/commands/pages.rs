@@ -35,7 +35,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/limits.md", 1450),
     ("docs/ls-bus.md", 850),
     ("docs/modelica.md", 500),
-    ("docs/overview.md", 600),
+    ("docs/overview.md", 500),
     ("docs/own-robot.md", 500),
     ("docs/paper.md", 1100),
     ("docs/python.md", 450),
