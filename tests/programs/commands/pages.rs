@@ -46,7 +46,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/studies.md", 700),
     ("docs/troubleshooting.md", 500),
     ("docs/trust.md", 700),
-    ("docs/versioning.md", 300),
+    ("docs/versioning.md", 250),
 ];
 
 /// But for code, printed sessions (fenced, or four spaces in) and what lies between marks of a command's output.
