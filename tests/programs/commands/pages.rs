@@ -92,3 +92,38 @@ fn code_and_generated_tables_are_no_words_of_a_page() {
     let page = "# A page\n\ntwo words\n\n    code\n\n```\nmore code\n```\n<!-- generated: cargo x -->\n| a | b |\n<!-- end of generated -->\nlast\n";
     assert_eq!(words(page), 6);
 }
+
+/// File and heading of each link in a page, but for those to other hosts.
+fn links(page: &str) -> Vec<(&str, &str)> {
+    let targets = page.split("](").skip(1).filter_map(|rest| rest.split_once(')').map(|(target, _)| target));
+    let own = targets.filter(|target| !target.contains(':') && !target.contains(' '));
+    own.map(|target| target.split_once('#').unwrap_or((target, ""))).collect()
+}
+
+/// As a heading is called in links: in small letters, without punctuation.
+fn heading(line: &str) -> Option<String> {
+    let text = line.strip_prefix('#')?.trim_start_matches('#').trim().to_lowercase();
+    let spelled = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    Some(spelled.map(|c| if c == ' ' { '-' } else { c }).collect())
+}
+
+fn dead_links(place: &Path) -> Vec<String> {
+    let page = fs::read_to_string(place).unwrap();
+    let leads = |(file, part): &(&str, &str)| {
+        let target = if file.is_empty() { place.to_owned() } else { place.with_file_name("").join(file) };
+        let has = |text: String| text.lines().filter_map(heading).any(|name| name == *part);
+        target.exists() && (part.is_empty() || fs::read_to_string(target).is_ok_and(has))
+    };
+    let dead = links(&page).into_iter().filter(|link| !leads(link));
+    dead.map(|(file, part)| format!("{}: {file}#{part}", place.display())).collect()
+}
+
+/// A picture that nobody had put into the repository was missing on one page.
+#[test]
+fn every_link_leads_to_a_file_and_a_heading_of_the_repository() {
+    let pages = ["", "docs"].map(|folder| fs::read_dir(Path::new(ROOT).join(folder)).unwrap());
+    let places = pages.into_iter().flatten().map(|entry| entry.unwrap().path());
+    let dead: Vec<_> =
+        places.filter(|p| p.extension() == Some("md".as_ref())).flat_map(|p| dead_links(&p)).collect();
+    assert!(dead.is_empty(), "{}", dead.join("\n"));
+}
