@@ -20,7 +20,7 @@ def least_time(rig, start, goal, cells=2000):
     """s, or None. s'' is constant in each cell and the limits hold in its middle, so that the error is of second order."""
     h = 1 / cells
     rows = list(zip(*conditions(rig, start, goal, (np.arange(cells) + 0.5) * h)))
-    # x = s'^2 where the cells meet: as large as it may be for the end to be had, then as large as can be from the start.
+    # x = s'^2 where the cells meet: as large as it may be for the end to be reachable, then as large as can be from the start.
     most = [0.0]
     for a, b, c in reversed(rows):
         entered = _enterable(a - b * h, b, c, most[-1])

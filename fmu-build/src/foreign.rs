@@ -131,7 +131,7 @@ fn simulated(command: &mut Command, arguments: &[&str]) -> Result<Vec<u8>> {
     let command = command.arg("simulate").args(arguments).current_dir(project_root());
     let output = command.output().with_context(|| format!("cannot start {:?}", command.get_program()))?;
     let said = String::from_utf8_lossy(&output.stderr);
-    // A goal that cannot be had is no failure.
+    // A goal that cannot be reached is no failure.
     ensure!(matches!(output.status.code(), Some(0 | 3)), "{command:?} ended with {}:\n{said}", output.status);
     ensure!(output.stdout.starts_with(b"time,"), "{command:?} wrote no rows:\n{said}");
     Ok(output.stdout)

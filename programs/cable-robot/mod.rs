@@ -72,7 +72,7 @@ enum Task {
     /// Domain (15) of the set points that may be given at rest at a point
     #[command(after_help = reach::EXAMPLE)]
     Reach(reach::Reach),
-    /// Set points from one pose to another, and why a goal cannot be had
+    /// Set points from one pose to another, and why a goal cannot be reached
     #[command(after_help = plan::EXAMPLE)]
     Plan(plan::Plan),
     /// A periodic motion that may leave the static workspace, proved with its start and its stops

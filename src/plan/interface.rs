@@ -270,7 +270,7 @@ pub struct ControllerOutputs {
     pub steady: bool,
     /// At rest at the goal.
     pub at_goal: bool,
-    /// From the goal to where the planner makes for instead, m; 0 if the goal can be had. Of the attachment that has the farthest to
+    /// From the goal to where the planner makes for instead, m; 0 if the goal can be reached. Of the attachment that has the farthest to
     /// go: for translations simply the distance.
     pub goal_distance: f64,
     /// Smallest tension of any cable predicted from now on, N.

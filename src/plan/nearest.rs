@@ -1,4 +1,4 @@
-//! When the goal cannot be had: the admissible set point nearest to it.
+//! When the goal cannot be reached: the admissible set point nearest to it.
 
 use nalgebra::Vector2;
 

@@ -1,4 +1,4 @@
-//! From rest to rest: the set points to a goal, and what stands in the way of one that cannot be had.
+//! From rest to rest: the set points to a goal, and what stands in the way of one that cannot be reached.
 
 use nalgebra::Vector2;
 use thiserror::Error;
@@ -43,7 +43,7 @@ pub struct Obstacle {
     /// The cable and the moment at which the step from the last set point straight to the goal breaks a limit; `None` if it
     /// breaks none or meets a singular pose.
     pub broken: Option<Extremes>,
-    /// The nearest pose that can be had.
+    /// The nearest pose that can be reached.
     pub nearest: Option<Pose>,
     /// Where, between there and the goal, a tension first reaches a limit with the platform at rest.
     pub barrier: Option<(Barrier, Pose)>,

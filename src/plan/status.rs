@@ -15,7 +15,7 @@ pub enum Status {
     Moving,
     /// At rest at the goal.
     AtGoal,
-    /// The goal cannot be had with the planner in use; the robot goes as far as is admissible and holds there.
+    /// The goal cannot be reached with the planner in use; the robot goes as far as is admissible and holds there.
     GoalUnreachable,
     /// The measured pose made no sense; the robot brakes from its last good state, and gravity is held there, until `enable` falls and rises
     /// again.

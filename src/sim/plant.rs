@@ -57,7 +57,7 @@ impl Default for PlantParameters {
 /// What the plant reads in a step; held over the step. Vectors are in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantInputs {
-    /// What the motors are told to pull, N; negative pulls with zero.
+    /// Commanded tensions of the motors, N; negative pulls with zero.
     pub motor_tension: PerCable<f64>,
     /// Force on the platform's centre of mass, N.
     pub disturbance_force: Vector3<f64>,

@@ -24,7 +24,7 @@ fn random_pose(rng: &mut Pcg64, aside: f64, z: f64, tilt: f64) -> Pose {
     Pose(Coordinates::new(x, y, z + up, within(tilt), within(tilt), within(2.0 * tilt)))
 }
 
-/// Many of the goals cannot be had, and most of them change before they are reached.
+/// Many of the goals cannot be reached, and most of them change before they are reached.
 #[test]
 fn no_cable_goes_slack_whatever_the_rig_and_the_goals() {
     let mut rng = Pcg64::seed_from_u64(47);

@@ -28,7 +28,7 @@ fn parameters() -> ControllerParameters {
     }
 }
 
-/// From rest, after a second in which the observer settles, towards a goal that cannot be had.
+/// From rest, after a second in which the observer settles, towards a goal that cannot be reached.
 struct Move {
     start: Pose,
     goal: Pose,

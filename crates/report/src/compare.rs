@@ -127,7 +127,7 @@ fn came_of(history: &History, summary: &Summary) -> [Said; 6] {
         (format!("{greatest:.3} N"), false),
         (slack_in_words(&summary.slack), !summary.slack.is_empty()),
         ((history.set_point_rows().len() - 1).to_string(), false),
-        (status.map_or("not told".into(), status_name).into_owned(), status.is_some_and(is_bad)),
+        (status.map_or("unknown".into(), status_name).into_owned(), status.is_some_and(is_bad)),
     ]
 }
 

@@ -175,7 +175,7 @@ pub fn first_of(listed: usize, count: usize, what: &str) -> String {
     format!("The first {listed} of {count} {what} are listed; run.csv has all.")
 }
 
-/// Why the last goal cannot be had, if the controller said so: where the robot holds, and which cable forbids that it rests at the goal.
+/// Why the last goal cannot be reached, if the controller said so: where the robot holds, and which cable forbids that it rests at the goal.
 fn unreachable(history: &History) -> Option<(&'static str, String)> {
     if history.last_status() != Some(Status::GoalUnreachable) {
         return None;

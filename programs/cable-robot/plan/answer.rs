@@ -64,7 +64,7 @@ pub struct Tension {
     pose: [f64; 6],
 }
 
-/// Why a goal cannot be had, and what can.
+/// Why a goal cannot be reached, and what can.
 #[derive(Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 #[schemars(deny_unknown_fields)]
@@ -79,13 +79,13 @@ pub struct Obstacle {
     smallest: Option<Tension>,
     /// The greatest.
     greatest: Option<Tension>,
-    /// The nearest pose that can be had; null if there is none.
+    /// The nearest pose that can be reached; null if there is none.
     nearest: Option<Nearest>,
     /// What first reaches a limit at rest on the way from there to the goal; null if nothing does.
     barrier: Option<Barrier>,
 }
 
-/// The nearest pose that can be had.
+/// The nearest pose that can be reached.
 #[derive(Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Nearest {

@@ -1,4 +1,4 @@
-//! `cable-robot plan`: the set points to a goal, and what stands in the way of one that cannot be had.
+//! `cable-robot plan`: the set points to a goal, and what stands in the way of one that cannot be reached.
 
 pub mod answer;
 mod picture;

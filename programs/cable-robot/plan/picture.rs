@@ -1,4 +1,4 @@
-//! A plan as a picture: base, static workspace, the way with its set points and their domains, what cannot be had and what can.
+//! A plan as a picture: base, static workspace, the way with its set points and their domains, what cannot be reached and what can.
 
 use std::f64::consts::TAU;
 use std::iter;
@@ -34,7 +34,7 @@ pub struct Shown<'a> {
     pub path: Vec<Pose>,
     /// Of the points, from the first on: where a set point may be, m.
     pub domains: Vec<Vec<[f64; 2]>>,
-    /// As near to the goal as one gets, where it cannot be had.
+    /// As near to the goal as one gets, where it cannot be reached.
     pub nearest: Option<Pose>,
     pub smallest: Option<TensionAt>,
     /// What is said below.

@@ -37,7 +37,7 @@ pub fn verdict(plan: &Plan, planned: &Sequence, parameters: &ControllerParameter
             metres(left).trim()
         );
     } else if let Some(obstacle) = &planned.obstacle {
-        text += "the goal cannot be had\n";
+        text += "the goal cannot be reached\n";
         explain(&mut text, plan, obstacle, parameters);
     } else {
         text += "the goal is reached\n";
@@ -59,7 +59,7 @@ fn set_points(plan: &Plan, planned: &Sequence) -> String {
     text
 }
 
-/// Why the goal cannot be had, and what can.
+/// Why the goal cannot be reached, and what can.
 fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &ControllerParameters) {
     if obstacle.singular {
         *text +=
@@ -130,7 +130,7 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 writeln!(text, "  nearest: {}, {} m from the goal", place_of(nearest), metres(left).trim());
         }
         None => {
-            let _ = writeln!(text, "  no other point can be had from there in {MOST_SET_POINTS} set points");
+            let _ = writeln!(text, "  no other point can be reached from there in {MOST_SET_POINTS} set points");
         }
     }
     if let Some((limit, at)) = &obstacle.barrier {

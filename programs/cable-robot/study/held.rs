@@ -21,7 +21,7 @@ use crate::command::{Outcome, print, print_json};
 pub const EXAMPLE: &str = "\
 Example: cable-robot study held --runs 2000
 Rigs: Table I, and random ones near the paper's shape. Gains 0.3 to 15 1/s, steps 0.25 to 20 ms, equal or varying, the controller stepped first or both at once (a step
-late), up to four goals, turned ones and ones that cannot be had among them, half of the first given at once.";
+late), up to four goals, turned ones and ones that cannot be reached among them, half of the first given at once.";
 
 /// Upper ends of the classes of (λ + η) h, and of (λ + η) times the delay besides.
 const CLASSES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 1.0];
@@ -63,7 +63,7 @@ struct Class {
     refused: u64,
     slack: u64,
     lost: u64,
-    /// Last goals that can be had, and those of them that were reached.
+    /// Last goals that can be reached, and those of them that were.
     goals: u64,
     reached: u64,
     /// Smallest tension commanded, as a share of the weight.
@@ -94,7 +94,7 @@ struct Case {
 struct End {
     slack: bool,
     lost: bool,
-    /// Of the last goal: whether it can be had, and was.
+    /// Of the last goal: whether it can be reached, and was.
     possible: bool,
     reached: bool,
     smallest: f64,
@@ -317,7 +317,7 @@ fn is_turned(pose: &Pose, from: &Pose) -> bool {
     pose.minus(from).fixed_rows::<2>(3).amax() > LOST_TURN
 }
 
-/// Level where the platform can rest, or turned, or anywhere: then it can mostly not be had.
+/// Level where the platform can rest, or turned, or anywhere: then it is mostly out of reach.
 fn random_goal(rng: &mut Pcg64, rig: &Rig, home: &Pose) -> Pose {
     let (size, kind) = (0.6 * rig.radius(), rng.random_range(0.0..1.0));
     loop {

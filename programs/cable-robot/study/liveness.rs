@@ -18,7 +18,7 @@ use crate::command::{Outcome, print, print_json};
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot study liveness --goals 1000
-Rigs, gains and steps as in `study held`, from rest at home, planner Exact, controller stepped first. A goal counts as one that can be had if the robot can rest, with
+Rigs, gains and steps as in `study held`, from rest at home, planner Exact, controller stepped first. A goal counts as one that can be reached if the robot can rest, with
 twice what the planner leaves at rest, at 200 points of the straight way to it. Exit code 3: one of them was not reached.";
 
 /// Points looked at on the way.

@@ -36,7 +36,7 @@ pub enum Study {
     /// Commands that are held and late: random rigs, gains, steps and goals in closed loop, and where cables go slack
     #[command(after_help = held::EXAMPLE)]
     Held(held::Held),
-    /// Goals that can be had, and whether they are reached
+    /// Goals that can be reached, and whether they are reached
     #[command(after_help = liveness::EXAMPLE)]
     Liveness(liveness::Liveness),
     /// Every rig of a folder: workspace, planner, and goals through its packed FMUs

@@ -225,15 +225,15 @@ pub fn offer(file: &World, found: &commission::Calibration) -> String {
 /// Gains of load cells, in words.
 pub fn gains_text(gains: &Gains) -> String {
     let cell = |i: usize| {
-        let told = if gains.is_measured(i) { "" } else { " (not told)" };
-        format!("{}: {:.3} ± {:.3}{told}", i + 1, gains.gain[i], gains.deviation[i])
+        let unmeasured = if gains.is_measured(i) { "" } else { " (not measured)" };
+        format!("{}: {:.3} ± {:.3}{unmeasured}", i + 1, gains.gain[i], gains.deviation[i])
     };
     let cells: Vec<_> = (0..gains.gain.len()).map(cell).collect();
     let (rank, count) = (gains.rank, gains.gain.len());
     let more =
         if rank < count { "; put the platform on blocks elsewhere, placed, and weigh there too" } else { "" };
     format!(
-        "load cells say for each newton, if the mass is right: {} ({rank} of {count} combinations told{more})",
+        "load cells say for each newton, if the mass is right: {} ({rank} of {count} combinations measured{more})",
         cells.join("  ")
     )
 }

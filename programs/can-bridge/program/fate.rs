@@ -1,4 +1,4 @@
-//! What becomes of a goal: given, reached, refused, not to be had, or given up.
+//! What becomes of a goal: given, reached, refused, unreachable, or given up.
 
 use std::fmt;
 

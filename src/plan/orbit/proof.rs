@@ -72,7 +72,7 @@ pub struct Refusal {
     pub kept: f64,
 }
 
-/// An orbit that is not to be had.
+/// An orbit that is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OrbitError {
     /// A number makes no sense.

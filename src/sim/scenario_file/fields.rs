@@ -184,7 +184,7 @@ pub struct Controller {
     /// By which share the platform's mass may differ from the rig's: 0 or greater, below 1; 0 if left out. `exact` leaves room for it.
     #[schemars(with = "f64", default, extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub mass_tolerance: Option<Spanned<f64>>,
-    /// Smallest change of cable length that the controller is told its encoders see, m: 0 or greater; 0 if left out. `exact` leaves room for it.
+    /// Smallest change of cable length that the encoders see, as the controller knows it, m: 0 or greater; 0 if left out. `exact` leaves room for it.
     #[schemars(with = "f64", default, extend("minimum" = 0))]
     pub encoder_resolution: Option<Spanned<f64>>,
     /// Largest force on the platform that is not known, N, the largest torque being that at its radius: 0 or greater; 0 if left out. `exact` leaves

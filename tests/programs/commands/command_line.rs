@@ -180,11 +180,11 @@ fn a_goal_outside_is_explained_and_the_nearest_point_given() {
     assert!(number(&obstacle["firstOutside"]["tension"]) <= 0.0);
     let (text, _) = written(3, &arguments);
     assert!(
-        text.contains("cannot be had") && text.contains("held back by cable 3, at rest slack from"),
+        text.contains("cannot be reached") && text.contains("held back by cable 3, at rest slack from"),
         "{text}"
     );
 
-    // What is called the nearest point can be had.
+    // What is called the nearest point can be reached.
     let y = format!("0,{},1", number(&obstacle["nearest"]["pose"][1]));
     assert_eq!(json(0, &["plan", "--from", "0,0,1", "--to", &y])["reachable"], true);
 }
@@ -231,13 +231,13 @@ fn a_plan_that_was_given_up_says_so_and_where() {
     let last = plan["setPoints"].as_array().unwrap().last().unwrap();
     assert!((0.1..0.15).contains(&number(&last[0])), "{last}");
     assert!(
-        text.contains("given up after 1000 set points at (0.12") && !text.contains("cannot be had"),
+        text.contains("given up after 1000 set points at (0.12") && !text.contains("cannot be reached"),
         "{text}"
     );
     // Where the platform cannot rest no number of set points leads.
     let (plan, text) = refused_move("0,0.4,1", "exact", &slow);
     assert_eq!((&plan["reachable"], &plan["obstacle"]["barrier"]["cable"]), (&Value::Bool(false), &2.into()));
-    assert!(text.contains("cannot be had"), "{text}");
+    assert!(text.contains("cannot be reached"), "{text}");
 }
 
 #[test]
@@ -476,7 +476,7 @@ fn a_goal_where_the_wrench_matrix_is_singular_is_named_as_such() {
     for planner in ["bounded", "exact"] {
         let plan = [&["plan", "--planner", planner], &goal[..]].concat();
         let (text, _) = written(3, &plan);
-        assert!(text.contains("cannot be had\n  at the goal the wrench matrix is singular"), "{text}");
+        assert!(text.contains("cannot be reached\n  at the goal the wrench matrix is singular"), "{text}");
         assert_eq!(json(3, &plan)["obstacle"]["goalSingular"], true);
     }
     let level = json(3, &["plan", "--from", "0,0,1", "--to", "0,0.4,1"]);

@@ -1,4 +1,4 @@
-//! What the log says, and why an instance cannot be had.
+//! What the log says, and why there is no instance.
 
 use std::ptr::{null, null_mut};
 

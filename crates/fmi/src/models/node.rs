@@ -92,7 +92,7 @@ pub(crate) const TRUE_POSE: Row = Row { description: "Where the platform is", ..
 pub(crate) const MOTOR_TENSION: Row = Row {
     seventh: 230,
     nominal: Some(10.0),
-    ..output(211, "motorTension", Shape::Cables, Some(&NEWTON), &[], "What the motor is told to pull")
+    ..output(211, "motorTension", Shape::Cables, Some(&NEWTON), &[], "Commanded tension of the motor")
 };
 pub(crate) const TRUE_TENSION: Row = Row { description: "What the motor pulls", ..MOTOR_TENSION };
 pub(crate) const SLACK: Row = Row {

@@ -61,7 +61,7 @@ pub(super) const MOTOR_TENSION: Row = Row {
         Shape::Cables,
         Some(&NEWTON),
         &[REST_TENSION],
-        "What the motor of the cable is told to pull; negative pulls with zero",
+        "Commanded tension of the cable's motor; negative pulls with zero",
     )
 };
 pub(super) const DISTURBANCE_FORCE: Row = input(

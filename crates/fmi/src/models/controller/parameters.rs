@@ -219,7 +219,7 @@ pub const LARGEST_STEP: Row = Row {
         "largestStep",
         &SECOND,
         &[0.0],
-        "Longest communication step, longer ones are discarded; 0 for any: the planner Exact then reckons with the longer of the last two",
+        "Longest communication step, longer ones are discarded; 0 for any: the planner Exact then computes with the longer of the last two",
     )
 };
 pub const PLANNER_NUMBER: Row = Row {

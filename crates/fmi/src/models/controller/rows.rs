@@ -151,7 +151,7 @@ pub const GOAL_DISTANCE: Row = output(
     Shape::Scalar,
     Some(&METRE),
     &[],
-    "From the goal to where the robot goes instead, root mean square of the ways of the attachments; 0 if the goal can be had",
+    "From the goal to where the robot goes instead, root mean square of the ways of the attachments; 0 if the goal can be reached",
 );
 pub const STATUS: Row = Row {
     kind: Kind::Enumeration(&STATUS_TYPE),
