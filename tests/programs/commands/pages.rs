@@ -28,7 +28,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-peers.md", 500),
     ("docs/command-line.md", 1300),
     ("docs/commissioning.md", 1750),
-    ("docs/controller.md", 1700),
+    ("docs/controller.md", 1300),
     ("docs/fmu.md", 1300),
     ("docs/fuzzing.md", 500),
     ("docs/glossary.md", 600),
