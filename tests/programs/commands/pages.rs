@@ -39,7 +39,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/own-robot.md", 600),
     ("docs/paper.md", 1450),
     ("docs/python.md", 600),
-    ("docs/report.md", 1500),
+    ("docs/report.md", 900),
     ("docs/rig.md", 3600),
     ("docs/rigs.md", 950),
     ("docs/scenarios.md", 700),
