@@ -26,7 +26,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-addresses.md", 600),
     ("docs/can-bridge.md", 1500),
     ("docs/can-peers.md", 500),
-    ("docs/command-line.md", 1300),
+    ("docs/command-line.md", 800),
     ("docs/commissioning.md", 1750),
     ("docs/controller.md", 1300),
     ("docs/fmu.md", 1300),
