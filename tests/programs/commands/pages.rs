@@ -29,7 +29,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/command-line.md", 800),
     ("docs/commissioning.md", 1750),
     ("docs/controller.md", 1300),
-    ("docs/fmu.md", 1300),
+    ("docs/fmu.md", 1050),
     ("docs/fuzzing.md", 500),
     ("docs/glossary.md", 600),
     ("docs/limits.md", 1150),
