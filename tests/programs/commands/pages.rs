@@ -45,7 +45,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/scenarios.md", 700),
     ("docs/studies.md", 1050),
     ("docs/troubleshooting.md", 700),
-    ("docs/trust.md", 700),
+    ("docs/trust.md", 550),
     ("docs/versioning.md", 300),
 ];
 
