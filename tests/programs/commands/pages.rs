@@ -34,7 +34,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/glossary.md", 600),
     ("docs/limits.md", 1150),
     ("docs/ls-bus.md", 850),
-    ("docs/modelica.md", 500),
+    ("docs/modelica.md", 450),
     ("docs/overview.md", 600),
     ("docs/own-robot.md", 600),
     ("docs/paper.md", 1450),
