@@ -108,6 +108,11 @@ def softer(proof, draw):
     proof["tube"]["stiffness"][k] = [spelling(share * double(x)) for x in proof["tube"]["stiffness"][k]]
 
 
+def sealed_again(proof):
+    text = json.dumps(proof["problem"], sort_keys=True, separators=(",", ":"))
+    proof["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+
+
 def more_wrong(proof, draw):
     """A margin raised, under its own hash, by what alone makes G greater than D."""
     rig, step, margins, tube = proof["problem"]["rig"], proof["problem"]["step"], proof["problem"]["margins"], proof["tube"]
