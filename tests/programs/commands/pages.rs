@@ -40,7 +40,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/paper.md", 1450),
     ("docs/python.md", 600),
     ("docs/report.md", 1500),
-    ("docs/rig.md", 3600),
+    ("docs/rig.md", 2400),
     ("docs/rigs.md", 950),
     ("docs/scenarios.md", 700),
     ("docs/studies.md", 1050),
