@@ -24,7 +24,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("README.md", 450),
     ("docs/architecture.md", 500),
     ("docs/can-addresses.md", 600),
-    ("docs/can-bridge.md", 1500),
+    ("docs/can-bridge.md", 950),
     ("docs/can-peers.md", 500),
     ("docs/command-line.md", 1300),
     ("docs/commissioning.md", 1750),
