@@ -27,7 +27,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-bridge.md", 950),
     ("docs/can-peers.md", 500),
     ("docs/command-line.md", 1300),
-    ("docs/commissioning.md", 1750),
+    ("docs/commissioning.md", 1300),
     ("docs/controller.md", 1700),
     ("docs/fmu.md", 1300),
     ("docs/fuzzing.md", 500),
