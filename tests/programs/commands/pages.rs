@@ -25,7 +25,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/architecture.md", 500),
     ("docs/can-addresses.md", 400),
     ("docs/can-bridge.md", 950),
-    ("docs/can-peers.md", 500),
+    ("docs/can-peers.md", 350),
     ("docs/command-line.md", 1300),
     ("docs/commissioning.md", 1300),
     ("docs/controller.md", 1700),
