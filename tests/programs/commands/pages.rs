@@ -33,7 +33,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/fuzzing.md", 500),
     ("docs/glossary.md", 600),
     ("docs/limits.md", 1450),
-    ("docs/ls-bus.md", 850),
+    ("docs/ls-bus.md", 650),
     ("docs/modelica.md", 500),
     ("docs/overview.md", 600),
     ("docs/own-robot.md", 600),
