@@ -130,7 +130,8 @@ fn explain(text: &mut String, plan: &Plan, obstacle: &Obstacle, parameters: &Con
                 writeln!(text, "  nearest: {}, {} m from the goal", place_of(nearest), metres(left).trim());
         }
         None => {
-            let _ = writeln!(text, "  no other point can be reached from there in {MOST_SET_POINTS} set points");
+            let _ =
+                writeln!(text, "  no other point can be reached from there in {MOST_SET_POINTS} set points");
         }
     }
     if let Some((limit, at)) = &obstacle.barrier {

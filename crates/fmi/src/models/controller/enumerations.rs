@@ -42,7 +42,10 @@ pub const STATUS_TYPE: Enumeration = Enumeration {
         ("Holding", "At rest short of the goal, waiting for the planner's next decision"),
         ("Moving", "On the way to the active set point"),
         ("AtGoal", "At rest at the goal"),
-        ("GoalUnreachable", "The goal cannot be reached: the robot goes as far as is admissible and holds there"),
+        (
+            "GoalUnreachable",
+            "The goal cannot be reached: the robot goes as far as is admissible and holds there",
+        ),
         (
             "SensorFault",
             "The measured pose made no sense (see fault): the robot brakes from its last good state and gravity is held there until enable falls and rises",
