@@ -82,6 +82,8 @@ fn rig_text() -> Result<String, String> {
         ("enable = 0.5 ", "enable = 5.0 "),
         ("service = 0.5 ", "service = 5.0 "),
         ("ramp = 2.0 ", "ramp = 0.5 "),
+        ("cable_speed = 2.0 ", "cable_speed = 20.0 "),
+        ("disagreement_time = 0.1 ", "disagreement_time = 1.0 "),
     ] {
         ensure(rig.contains(from), || format!("the example no longer says {from:?}"))?;
         rig = rig.replacen(from, to, 1);
