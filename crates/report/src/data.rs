@@ -10,7 +10,7 @@ use super::events::{Kind, StateSpan, state_spans};
 use super::explanation;
 use super::history::{History, status_name};
 use super::thinning::rounded;
-use super::workspace::{Section, sections, workspace};
+use super::workspace::{Section, workspace};
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
 use cable_robot::robot::triangles::FACET_NORMALS;
 use cable_robot::robot::{Pose, Rig};
@@ -38,8 +38,8 @@ pub struct Data {
     apothem: f64,
     /// Outline of the static workspace, and at which height it is drawn: of the paper's rig at that of the base, where p is.
     workspace: Section,
-    /// At some heights round where the platform went.
-    sections: Vec<Section>,
+    /// At some heights round where the platform went, for the picture in space; nothing until they are put in.
+    pub sections: Vec<Section>,
     limits: Limits,
     /// Greatest tension measured, and the one from which on a cable has the last colour: that follows from the rig, so that runs can be
     /// compared.
@@ -142,7 +142,7 @@ impl Data {
             facets: facets.iter().map(|normal| facet((*normal).into(), apothem)).collect(),
             apothem,
             workspace: workspace(history, rig),
-            sections: sections(history, rig),
+            sections: vec![],
             limits: Limits {
                 min: limits.min,
                 max: limits.max.is_finite().then_some(limits.max),

@@ -11,6 +11,7 @@ use super::digest::Digest;
 use super::events::{Event, Kind};
 use super::facts::{facts, first_of, limits};
 use super::history::{Arrival, History, status_name};
+use super::workspace::sections;
 use cable_robot::plan::{PlannerKind, Status};
 
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -36,7 +37,8 @@ const UPLOT_STYLE: &str = include_str!("page/uplot/uPlot.min.css");
 pub fn html(digest: &Digest) -> Result<String, TableError> {
     let history = History::of(digest)?;
     let info = &digest.folder.info;
-    let data = Data::new(digest, &history);
+    let mut data = Data::new(digest, &history);
+    data.sections = sections(&history, &history.info.plant_parameters.rig);
     let turned = history.set_point.iter().any(|pose| pose.angles().amax() > 5e-5);
     let places = [
         ("title", escape(&info.title).into_owned()),
