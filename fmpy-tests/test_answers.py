@@ -7,6 +7,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from schemas import described
+
 ROOT = Path(__file__).resolve().parent.parent
 
 FROM = ["--from", "0,0,1"]
@@ -78,21 +80,6 @@ def test_every_field_says_what_it_is(kind):
     task, schema = kind
     fields = dict(described(schema, task))
     assert fields and [name for name, text in fields.items() if not text] == []
-
-
-def described(schema, place):
-    """Every property below, with its description."""
-    if isinstance(schema, list):
-        for part in schema:
-            yield from described(part, place)
-    elif isinstance(schema, dict):
-        fields = schema.get("properties", {})
-        for name, field in fields.items():
-            if not isinstance(field, dict) or "const" not in field:
-                # What is one of several says it itself.
-                yield f"{place}.{name}", field.get("description") or len(fields) == 1 and schema.get("description")
-        for name, part in schema.items():
-            yield from described(part, f"{place}.{name}")
 
 
 @pytest.mark.parametrize("scenario", ["paper", "orbit"])

@@ -11,9 +11,11 @@ import tomllib
 from pathlib import Path
 
 import canopen
+import jsonschema
 import pytest
 
 from rig_peer import CYCLIC_SYNCHRONOUS_TORQUE, HEARTBEAT_LOST, OPERATIONAL, VALUE_OUT_OF_RANGE, Lab, null_modem
+from schemas import described
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target/debug/can-bridge"
@@ -67,15 +69,16 @@ class Session:
         command = [PROGRAM, rig, "--bus", f"can0=slcan:{device}", "--status", "-", "--no-realtime", "--uncommissioned"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, cwd=rig.parent, stdin=pipe, stdout=pipe, stderr=pipe, text=True, bufsize=1)
-        self.status, self.log = {}, []
+        self.status, self.lines, self.log = {}, [], []
         self.readers = [threading.Thread(target=self.read_status), threading.Thread(target=self.read_log)]
         for reader in self.readers:
             reader.start()
 
     def read_status(self):
         for line in self.process.stdout:
-            if "state" in (said := json.loads(line)):
-                self.status = said
+            self.lines.append(json.loads(line))
+            if "state" in self.lines[-1]:
+                self.status = self.lines[-1]
 
     def read_log(self):
         self.log.extend(self.process.stderr)
@@ -179,6 +182,30 @@ def test_start_up_sets_up_every_node_as_the_standards_have_it(rig, lab, session)
 
 def test_the_torques_carry_the_platform(lab, session):
     carries_the_platform(lab, enabled(session))
+
+
+def test_every_line_of_the_status_conforms_to_its_schema(session):
+    schema = json.loads(subprocess.run([PROGRAM, "--status-schema"], capture_output=True, check=True).stdout)
+    validator = jsonschema.Draft202012Validator(schema)
+    validator.check_schema(schema)
+    assert [name for name, text in described(schema, "status") if not text] == []
+    session = enabled(session)
+    session.say("goal 9 0 1")
+    for _ in range(100):
+        if session.status["goal"]:
+            break
+        time.sleep(0.1)
+    session.end()
+    messages, cycles = ([line for line in session.lines if ("message" in line) == is_message] for is_message in (True, False))
+    assert messages and {line["state"] for line in cycles} >= {"Homing", "Ready", "Enabled"}
+    assert [error.message for line in session.lines for error in validator.iter_errors(line)] == []
+    for whole in (messages[-1], next(line for line in reversed(cycles) if line["goal"])):
+        for part in (whole, whole.get("goal") or {}):
+            for name in list(part):
+                value = part.pop(name)
+                assert not validator.is_valid(whole), f"without {name}"
+                part[name] = value
+        assert validator.is_valid(whole) and not validator.is_valid(whole | {"unheardOf": 1})
 
 
 def carries_the_platform(lab, session):

@@ -5,10 +5,9 @@ use cable_robot::robot::rig_file;
 use cable_robot::sim::scenario_file;
 use cable_robot_report::run_folder::RunInfo;
 use clap::{Args, ValueEnum};
-use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
 
 use crate::command::{Outcome, certify, plan, print_json, proof, reach, simulate, tensions, workspace};
+use crate::output_schema;
 
 pub const EXAMPLE: &str = "\
 Example: cable-robot schema rig
@@ -50,19 +49,14 @@ impl Schema {
             Kind::Rig => rig_file::schema().to_value(),
             Kind::Scenario => scenario_file::schema().to_value(),
             Kind::Proof => proof::schema().to_value(),
-            Kind::Plan => printed::<plan::answer::Answer>(),
-            Kind::Reach => printed::<reach::Answer>(),
-            Kind::Certify => printed::<certify::Answer>(),
-            Kind::Workspace => printed::<workspace::answer::Answer>(),
-            Kind::Simulate => printed::<simulate::answer::OneOrSeveral>(),
-            Kind::Tensions => printed::<tensions::Answer>(),
-            Kind::Run => printed::<RunInfo>(),
+            Kind::Plan => output_schema::<plan::answer::Answer>(),
+            Kind::Reach => output_schema::<reach::Answer>(),
+            Kind::Certify => output_schema::<certify::Answer>(),
+            Kind::Workspace => output_schema::<workspace::answer::Answer>(),
+            Kind::Simulate => output_schema::<simulate::answer::OneOrSeveral>(),
+            Kind::Tensions => output_schema::<tensions::Answer>(),
+            Kind::Run => output_schema::<RunInfo>(),
         })?;
         Ok(Outcome::Done)
     }
-}
-
-/// Of what is only written: every field is there.
-fn printed<T: JsonSchema>() -> serde_json::Value {
-    SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>().to_value()
 }

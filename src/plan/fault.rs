@@ -18,6 +18,7 @@ const TOP_ANGULAR_RATE: f64 = 4.0;
 
 /// Which check a measurement failed. The numbers are the FMU's enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Check {
     /// None failed.
     None = 1,

@@ -1,11 +1,13 @@
 //! What the controller says of itself.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
 /// What the controller is doing, in the order of the numbers that the FMU's enumeration has for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Status {
     /// `enable` is false: every motor gets `minTension`.
     Disabled,
@@ -55,6 +57,20 @@ impl Status {
             Self::WaitingForPose => 7,
             Self::Unknown(number) => number,
         }
+    }
+
+    /// For people.
+    pub fn in_words(self) -> Cow<'static, str> {
+        Cow::Borrowed(match self {
+            Self::Disabled => "disabled",
+            Self::Holding => "holding",
+            Self::Moving => "moving",
+            Self::AtGoal => "at the goal",
+            Self::GoalUnreachable => "goal unreachable",
+            Self::SensorFault => "sensor fault",
+            Self::WaitingForPose => "waiting for a pose",
+            Self::Unknown(_) => return Cow::Owned(self.to_string()),
+        })
     }
 
     /// Whether the measured pose makes no sense.

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::data::Data;
 use super::digest::Digest;
 use super::facts::{facts, slack_in_words};
-use super::history::{History, status_name};
+use super::history::History;
 use super::page::{disturbed_key, kept_key, page, state_key};
 use super::{Summary, TableError};
 use cable_robot::plan::Status;
@@ -127,7 +127,7 @@ fn came_of(history: &History, summary: &Summary) -> [Said; 6] {
         (format!("{greatest:.3} N"), false),
         (slack_in_words(&summary.slack), !summary.slack.is_empty()),
         ((history.set_point_rows().len() - 1).to_string(), false),
-        (status.map_or("unknown".into(), status_name).into_owned(), status.is_some_and(is_bad)),
+        (status.map_or("unknown".into(), Status::in_words).into_owned(), status.is_some_and(is_bad)),
     ]
 }
 

@@ -8,7 +8,7 @@ use super::digest::Digest;
 use super::domains::domain;
 use super::events::{Kind, StateSpan, state_spans};
 use super::explanation;
-use super::history::{History, status_name};
+use super::history::History;
 use super::thinning::rounded;
 use super::workspace::{Section, workspace};
 use cable_robot::plan::{ControllerParameters, Planner, PlannerKind, Status};
@@ -150,7 +150,7 @@ impl Data {
             },
             tension_top: tension.copied().fold(f64::MIN_POSITIVE, f64::max),
             colour_top: colour_top(rig, limits.max),
-            statuses: Status::ALL.map(status_name),
+            statuses: Status::ALL.map(Status::in_words),
             set_points: active(&set_points, &drawn).into_iter().map(chosen).collect(),
             last_set_point: set_points.len() - 1,
             many_set_points: set_points.len() > MANY,

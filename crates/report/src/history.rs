@@ -1,7 +1,5 @@
 //! The columns of a run folder as poses and rates.
 
-use std::borrow::Cow;
-
 use super::digest::Digest;
 use super::{Run, RunFolder, RunInfo, Table, TableError};
 use cable_robot::control::Reference;
@@ -151,21 +149,6 @@ impl<'a> History<'a> {
     pub fn is_slack(&self, row: usize) -> bool {
         self.run.slack.iter().any(|cable| cable[row] != 0.0)
     }
-}
-
-/// A status in words.
-pub fn status_name(status: Status) -> Cow<'static, str> {
-    let name = match status {
-        Status::Disabled => "disabled",
-        Status::Holding => "holding",
-        Status::Moving => "moving",
-        Status::AtGoal => "at the goal",
-        Status::GoalUnreachable => "goal unreachable",
-        Status::SensorFault => "sensor fault",
-        Status::WaitingForPose => "waiting for a pose",
-        Status::Unknown(_) => return status.to_string().into(),
-    };
-    name.into()
 }
 
 fn references(table: &Table) -> Result<Vec<Reference>, TableError> {

@@ -10,7 +10,7 @@ use super::data::{Data, MANY, kept};
 use super::digest::Digest;
 use super::events::{Event, Kind};
 use super::facts::{facts, first_of, limits};
-use super::history::{Arrival, History, status_name};
+use super::history::{Arrival, History};
 use super::workspace::sections;
 use cable_robot::plan::{PlannerKind, Status};
 
@@ -224,7 +224,7 @@ fn verdict(history: &History, digest: &Digest) -> String {
         // What comes after the fault may have no rows.
         let is_faulted = digest.events.iter().any(|event| event.kind == Kind::Fault);
         let name = if is_faulted { "last status measured" } else { "status at the end" };
-        list += &item(is_bad, name, &status_name(status));
+        list += &item(is_bad, name, &status.in_words());
     }
     list
 }

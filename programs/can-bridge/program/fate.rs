@@ -7,9 +7,9 @@ use cable_robot::robot::{Coordinates, Pose};
 use cable_robot_fieldbus::bridge::CycleReport;
 use cable_robot_fieldbus::{Nanoseconds, OperatorCommand, State};
 use cable_robot_report::facts::{pose_in_words, why_unreachable};
-use serde_json::{Value, json};
 
 use super::entry::{Entry, Input};
+use super::status_line::GoalStatus;
 
 /// What is left of a disturbance after so many time constants is nothing.
 const SETTLED: f64 = 10.0;
@@ -41,13 +41,13 @@ impl fmt::Display for Fate {
 
 /// A goal and what became of it.
 #[derive(Clone, Debug, PartialEq)]
-struct Told {
+struct GoalRecord {
     pose: Pose,
     fate: Fate,
     reason: Option<String>,
 }
 
-impl fmt::Display for Told {
+impl fmt::Display for GoalRecord {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "goal {} {}", pose_in_words(&self.pose), self.fate)?;
         self.reason.iter().try_for_each(|reason| write!(f, ": {reason}"))
@@ -60,13 +60,13 @@ pub struct Goals {
     /// Of the last cycle.
     now: Nanoseconds,
     /// The goal that the bridge took last.
-    taken: Option<Told>,
+    taken: Option<GoalRecord>,
     /// When.
     since: Nanoseconds,
     /// Since when the platform has been at rest beside its set point.
     rests_since: Option<Nanoseconds>,
     /// What was refused after it.
-    refused: Option<Told>,
+    refused: Option<GoalRecord>,
 }
 
 impl Goals {
@@ -79,17 +79,17 @@ impl Goals {
     pub fn take(&mut self, entry: &Entry) -> Option<String> {
         match entry {
             Entry::Input(Input::Operator(OperatorCommand::Goal(pose)), refusal) => {
-                let told = |fate, reason| Some(Told { pose: *pose, fate, reason });
+                let record = |fate, reason| Some(GoalRecord { pose: *pose, fate, reason });
                 if let Some(refusal) = refusal {
-                    self.refused = told(Fate::Refused, Some(refusal.to_string()));
+                    self.refused = record(Fate::Refused, Some(refusal.to_string()));
                     return None;
                 }
                 self.refused = None;
-                let is_again = |taken: &Told| taken.pose == *pose && taken.fate != Fate::GivenUp;
+                let is_again = |taken: &GoalRecord| taken.pose == *pose && taken.fate != Fate::GivenUp;
                 if self.taken.as_ref().is_some_and(is_again) {
                     return None;
                 }
-                (self.taken, self.since) = (told(Fate::Given, None), self.now);
+                (self.taken, self.since) = (record(Fate::Given, None), self.now);
                 self.text()
             }
             Entry::Cycle(cycle) => self.follow(&cycle.report),
@@ -161,17 +161,19 @@ impl Goals {
 
     /// What became of the last goal; nothing if there was none.
     pub fn text(&self) -> Option<String> {
-        self.last().map(Told::to_string)
+        self.last().map(GoalRecord::to_string)
     }
 
     /// The same for machines.
-    pub fn json(&self) -> Value {
-        self.last().map_or(Value::Null, |told| {
-            json!({ "pose": told.pose.0.as_slice(), "fate": told.fate.to_string(), "reason": told.reason })
+    pub fn status(&self) -> Option<GoalStatus> {
+        self.last().map(|goal| GoalStatus {
+            pose: goal.pose.0.into(),
+            fate: goal.fate.to_string(),
+            reason: goal.reason.clone(),
         })
     }
 
-    fn last(&self) -> Option<&Told> {
+    fn last(&self) -> Option<&GoalRecord> {
         self.refused.as_ref().or(self.taken.as_ref())
     }
 }
@@ -212,6 +214,10 @@ mod tests {
             self.said.extend(self.goals.take(&Entry::Input(Input::Operator(command), refusal)));
         }
 
+        fn fate(&self) -> String {
+            self.goals.status().unwrap().fate
+        }
+
         fn run(&mut self, seconds: f64) {
             let period = self.bench.bridge.config().period as f64 * 1e-9;
             for _ in 0..(seconds / period) as usize {
@@ -238,13 +244,13 @@ mod tests {
             shown.said
         );
         assert!(shown.said[1].contains("for 2.0 mm and 10.0 mrad (positionTolerance"), "{:?}", shown.said);
-        assert_eq!(shown.goals.json()["fate"], "waits");
+        assert_eq!(shown.fate(), "waits");
     }
 
     #[test]
     fn what_becomes_of_a_goal_is_said_once_with_the_reason() {
         let mut shown = Shown::start();
-        assert_eq!((shown.goals.text(), shown.goals.json()), (None, Value::Null));
+        assert!(shown.goals.text().is_none() && shown.goals.status().is_none());
         shown.run(3.0);
         shown.give(0.05, 0.0, 1.0);
         shown.run(0.5);
@@ -262,7 +268,7 @@ mod tests {
 
         // What was given before still stands, but the last word is of the last goal.
         shown.give(9.0, 0.0, 1.0);
-        assert_eq!(shown.goals.json()["fate"], "refused");
+        assert_eq!(shown.fate(), "refused");
         assert!(
             shown.goals.text().unwrap().contains("refused: the goal is outside of limits.space: x = 9 m")
         );
@@ -273,6 +279,6 @@ mod tests {
         shown.run(0.1);
         let last = shown.said.last().unwrap();
         assert!(last.contains("(-0.05, 0, 1) m given up: after 0.1 s, the bridge is in Stopping"), "{last}");
-        assert_eq!(shown.goals.json()["fate"], "given up");
+        assert_eq!(shown.fate(), "given up");
     }
 }

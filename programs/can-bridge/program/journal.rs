@@ -9,13 +9,13 @@ use anyhow::{Context, Result};
 use cable_robot_fieldbus::Nanoseconds;
 use cable_robot_fieldbus::bridge::{Cause, Event};
 use rtrb::{Consumer, RingBuffer};
-use serde_json::json;
 
 use super::entry::{Entry, Teller};
 use super::prompt;
 use super::record::Recording;
 use super::recorder::Recorder;
 use super::status::{Status, Stream};
+use super::status_line::{Line, Message};
 use super::survey::{self, Survey};
 use super::terminal::{say, show, show_nothing};
 
@@ -140,7 +140,7 @@ impl Writer {
         let seconds = time as f64 * 1e-9;
         let line = if time > 0 { format!("[{seconds:9.3}] {text}") } else { format!("can-bridge: {text}") };
         say(line);
-        self.stream(json!({ "time": seconds, "message": text }));
+        self.stream(Line::Message(Message { time: seconds, message: text.to_owned() }));
     }
 
     /// What is to be said of an entry.
@@ -160,11 +160,13 @@ impl Writer {
 
     fn show(&self) {
         show(self.status.line());
-        self.stream(self.status.json());
+        if let Some(session) = self.status.session() {
+            self.stream(Line::Session(Box::new(session)));
+        }
     }
 
-    fn stream(&self, value: serde_json::Value) {
-        self.stream.iter().for_each(|stream| stream.write(&value));
+    fn stream(&self, line: Line) {
+        self.stream.iter().for_each(|stream| stream.write(&line));
     }
 }
 

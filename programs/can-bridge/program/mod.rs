@@ -22,6 +22,7 @@ mod replay;
 mod session;
 mod signals;
 mod status;
+mod status_line;
 mod survey;
 mod terminal;
 #[cfg(test)]
@@ -37,7 +38,7 @@ use cable_robot::robot::PerCable;
 use cable_robot_fieldbus::bridge::{Bridge, Identity};
 use cable_robot_fieldbus::transport;
 use cable_robot_fieldbus::{Config, Files, bus_load, export};
-use cable_robot_programs::{errors, shell};
+use cable_robot_programs::{errors, output_schema, shell};
 use clap::Parser;
 
 use commissioned::Record;
@@ -95,6 +96,9 @@ struct Arguments {
     /// Writes the status for machines, a JSON object a line, into this file; - is stdout
     #[arg(long, value_name = "FILE")]
     status: Option<PathBuf>,
+    /// Prints the JSON Schema of a line of --status
+    #[arg(long, exclusive = true)]
+    status_schema: bool,
     /// Moves the rig although its commissioning record is missing or is of other files, and says what was skipped
     #[arg(long, conflicts_with = "survey")]
     uncommissioned: bool,
@@ -174,6 +178,11 @@ fn print(text: &str) -> Result<()> {
 }
 
 fn run(arguments: &Arguments) -> Result<Outcome> {
+    if arguments.status_schema {
+        let schema = output_schema::<status_line::Line>();
+        print(&format!("{schema:#}\n"))?;
+        return Ok(Outcome::Done);
+    }
     if let Some(folder) = &arguments.replay {
         return replay::run(folder, arguments.controller.as_deref());
     }

@@ -12,11 +12,11 @@ use cable_robot_fieldbus::bus_load::worst_case_bits;
 use cable_robot_fieldbus::{Config, Nanoseconds};
 use cable_robot_report::files::begin;
 use hdrhistogram::Histogram;
-use serde_json::{Value, json};
 
 use super::entry::{Cycle, Entry};
 use super::fate::Goals;
 use super::outlet::Outlet;
+use super::status_line::{Line, SessionStatus, Times};
 use super::terminal::say;
 
 /// Largest time that is told apart, and to how many digits.
@@ -126,32 +126,28 @@ impl Status {
         )
     }
 
-    /// For machines.
-    pub fn json(&self) -> Value {
-        let Some(report) = &self.report else { return Value::Null };
-        let times = |histogram| {
-            let [p50, p99, max] = percentiles(histogram);
-            json!({ "p50": p50, "p99": p99, "max": max })
-        };
-        json!({
-            "time": report.time as f64 * 1e-9,
-            "state": report.state.to_string(),
-            "fault": report.fault.map(|fault| fault.to_string()),
-            "pose": report.measured_pose.map(|pose| pose.0.as_slice().to_vec()),
-            "goal": self.goals.json(),
-            "length": report.length,
-            "measured": report.measured,
-            "tension": report.tension,
-            "margin": self.margins(report),
-            "predictedMargin": report.controller.map(|answer| answer.tension_margin),
-            "controller": report.controller.map(|answer| answer.status.to_string()),
-            "cycles": self.cycles,
-            "missedCycles": self.missed,
-            "lostEntries": self.lost,
-            "latenessMicroseconds": times(&self.lateness),
-            "latencyMicroseconds": times(&self.latency),
-            "frames": self.frames,
-            "busLoad": self.loads(),
+    /// For machines; nothing before the first cycle.
+    pub fn session(&self) -> Option<SessionStatus> {
+        let report = self.report.as_ref()?;
+        Some(SessionStatus {
+            time: report.time as f64 * 1e-9,
+            state: report.state.to_string(),
+            fault: report.fault.map(|fault| fault.to_string()),
+            pose: report.measured_pose.map(|pose| pose.0.into()),
+            goal: self.goals.status(),
+            length: report.length.to_vec(),
+            measured: report.measured.to_vec(),
+            tension: report.tension.to_vec(),
+            margin: self.margins(report).to_vec(),
+            predicted_margin: report.controller.map(|answer| answer.tension_margin),
+            controller: report.controller.map(|answer| answer.status.to_string()),
+            cycles: self.cycles,
+            missed_cycles: self.missed,
+            lost_entries: self.lost,
+            lateness_microseconds: times(&self.lateness),
+            latency_microseconds: times(&self.latency),
+            frames: self.frames,
+            bus_load: self.loads(),
         })
     }
 
@@ -178,6 +174,11 @@ fn percentiles(histogram: &Histogram<u64>) -> [f64; 3] {
         .map(|time| time as f64 / 1e3)
 }
 
+fn times(histogram: &Histogram<u64>) -> Times {
+    let [p50, p99, max] = percentiles(histogram);
+    Times { p50, p99, max }
+}
+
 /// Where the status for machines goes, a JSON object a line, each at once. Lines that nobody reads are dropped and counted.
 pub struct Stream {
     outlet: Outlet<String>,
@@ -196,8 +197,9 @@ impl Stream {
     }
 
     /// A line.
-    pub fn write(&self, value: &Value) {
-        self.outlet.push(format!("{value}\n"));
+    pub fn write(&self, line: &Line) {
+        // Numbers and words always are JSON.
+        self.outlet.push(serde_json::to_string(line).unwrap_or_default() + "\n");
     }
 
     /// Waits for its readers, but not for long. How many lines were not written.

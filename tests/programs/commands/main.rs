@@ -9,13 +9,16 @@ mod foreign;
 mod limits;
 #[cfg(target_os = "linux")]
 mod memory;
+mod misleading_answers;
 mod modelica;
 mod orbit;
 mod outputs;
 mod packed;
 mod pages;
+mod plan;
+mod program;
 mod proofs;
 mod report;
 mod scenarios;
 mod studies;
-mod told_truly;
+mod workspace;

@@ -3,30 +3,17 @@
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use cable_robot_report::{RunFolder, Table};
 use serde_json::Value;
 
-/// What a command that must end with `code` wrote to stdout and stderr.
-fn written(code: i32, arguments: &[&str]) -> (String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cable-robot"));
-    command.args(arguments).current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    let Output { status, stdout, stderr } = command.output().expect("the binary is built");
-    let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-    assert_eq!(status.code(), Some(code), "{arguments:?}\n{out}\n{err}");
-    (out, err)
-}
+use super::program::{number, written};
 
 /// The answer of `orbit` with these options.
 fn answer(code: i32, options: &str) -> Value {
     let words = options.split_whitespace();
     let (out, _) = written(code, &["orbit"].into_iter().chain(words).chain(["--json"]).collect::<Vec<_>>());
     serde_json::from_str(&out).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 const CIRCLE: &str = "--radius 0.4 --rate 2.75 --start 2.5";

@@ -3,7 +3,6 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use cable_robot::plan::{ControllerParameters, Status};
 use cable_robot::robot::Pose;
@@ -11,6 +10,8 @@ use cable_robot::sim::scenario::count_steps;
 use cable_robot::sim::{BUNDLED, Moment, Scenario, ScenarioFile, Simulation};
 use cable_robot_report::run_folder::Model;
 use cable_robot_report::{Recording, Run, RunFolder};
+
+use super::program;
 
 const FMU_VERSIONS: [&str; 2] = ["fmi2", "fmi3"];
 
@@ -39,18 +40,9 @@ fn never_slack(moments: &[Moment]) -> bool {
     moments.iter().all(|moment| moment.plant.slack == [false; 6])
 }
 
-fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cable-robot"));
-    command.arg("simulate").args(arguments).current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    command
-}
-
 /// What a simulation that must end with `code` wrote to stdout and stderr.
 fn written(code: i32, arguments: &[&str]) -> (String, String) {
-    let Output { status, stdout, stderr } = command(arguments).output().expect("the binary is built");
-    let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-    assert_eq!(status.code(), Some(code), "{arguments:?}\n{out}\n{err}");
-    (out, err)
+    program::written(code, &[&["simulate"], arguments].concat())
 }
 
 /// The run folder that a simulation which must end well wrote.

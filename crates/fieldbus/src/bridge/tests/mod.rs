@@ -10,9 +10,11 @@ mod safe_output;
 mod trials;
 
 use super::*;
+use crate::canopen::{Emergency, NmtState};
 use crate::config::SafeOutput;
 use crate::config::tests::{AKD, parse};
 use crate::controller::LibraryController;
+use crate::frame::{Frame, FrameKind, error_class};
 use crate::simulated::{Bench, SimulatedDrive};
 use cable_robot::plan::{ControllerParameters, PlannerKind, Status};
 use cable_robot::robot::TensionLimits;

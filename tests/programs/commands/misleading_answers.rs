@@ -1,26 +1,8 @@
 //! What `cable-robot` says is so: regressions of answers that misled.
 
 use std::fs;
-use std::process::Command;
 
-use serde_json::Value;
-
-/// What a command that must end with `code` wrote to stdout and stderr.
-fn written(code: i32, arguments: &[&str]) -> (String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_cable-robot"))
-        .args(arguments)
-        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .output()
-        .expect("the binary is built");
-    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}\n{out}\n{err}");
-    (out, err)
-}
-
-fn json(code: i32, arguments: &[&str]) -> Value {
-    let (out, _) = written(code, &[arguments, &["--json"]].concat());
-    serde_json::from_str(&out).unwrap()
-}
+use super::program::{json, written};
 
 /// A scenario file with this text.
 fn scenario(text: &str) -> tempfile::NamedTempFile {
