@@ -28,7 +28,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-peers.md", 350),
     ("docs/command-line.md", 800),
     ("docs/commissioning.md", 1300),
-    ("docs/controller.md", 1300),
+    ("docs/controller.md", 1150),
     ("docs/fmu.md", 1050),
     ("docs/fuzzing.md", 400),
     ("docs/glossary.md", 450),
