@@ -37,7 +37,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/modelica.md", 450),
     ("docs/overview.md", 500),
     ("docs/own-robot.md", 500),
-    ("docs/paper.md", 1100),
+    ("docs/paper.md", 1000),
     ("docs/python.md", 450),
     ("docs/report.md", 900),
     ("docs/rig.md", 2400),
