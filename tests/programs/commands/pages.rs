@@ -29,7 +29,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/command-line.md", 800),
     ("docs/commissioning.md", 1300),
     ("docs/controller.md", 1150),
-    ("docs/fmu.md", 1050),
+    ("docs/fmu.md", 950),
     ("docs/fuzzing.md", 400),
     ("docs/glossary.md", 450),
     ("docs/limits.md", 1050),
