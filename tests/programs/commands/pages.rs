@@ -43,7 +43,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/rig.md", 2400),
     ("docs/rigs.md", 650),
     ("docs/scenarios.md", 550),
-    ("docs/studies.md", 700),
+    ("docs/studies.md", 650),
     ("docs/troubleshooting.md", 500),
     ("docs/trust.md", 550),
     ("docs/versioning.md", 250),
