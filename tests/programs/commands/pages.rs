@@ -41,7 +41,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/python.md", 450),
     ("docs/report.md", 900),
     ("docs/rig.md", 2400),
-    ("docs/rigs.md", 650),
+    ("docs/rigs.md", 600),
     ("docs/scenarios.md", 550),
     ("docs/studies.md", 650),
     ("docs/troubleshooting.md", 500),
