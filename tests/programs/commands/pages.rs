@@ -42,7 +42,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/report.md", 900),
     ("docs/rig.md", 2400),
     ("docs/rigs.md", 600),
-    ("docs/scenarios.md", 550),
+    ("docs/scenarios.md", 500),
     ("docs/studies.md", 650),
     ("docs/troubleshooting.md", 500),
     ("docs/trust.md", 550),
