@@ -47,7 +47,7 @@ pub struct Held {
     /// Evaluates the law at the measurement: holdCompensation = false
     #[arg(long)]
     uncompensated: bool,
-    /// Besides: mass off by 5 %, centre of mass by 0.7 % of the rig's radius, encoders of 0.1 mm, friction of 0.3 % of the weight (for Table I's rig 2 mm and 0.2 N)
+    /// Besides: mass off by 5 %, centre of mass by 0.39 % of the rig's radius, encoders of 0.1 mm, friction of 0.34 % of the weight (for Table I's rig 2 mm and 0.2 N)
     #[arg(long)]
     imperfect: bool,
     /// Prints numbers for machines
