@@ -52,6 +52,9 @@ enum Task {
     },
     /// Builds the Python package with the FMUs and the command cable-robot, into target/wheels
     Wheel {
+        /// For older Linux (glibc 2.17), with the FMUs of `cargo fmu build --all`, into target/platforms/wheels; .ci/all installs what that takes
+        #[arg(long, conflicts_with = "debug")]
+        all: bool,
         /// Without optimisation, which compiles in less time: for tests
         #[arg(long)]
         debug: bool,
@@ -102,8 +105,9 @@ fn main() -> anyhow::Result<()> {
             println!("{}", package.display());
             Ok(())
         }
-        Task::Wheel { debug } => {
-            println!("{}", wheel::build(!debug)?.display());
+        Task::Wheel { all, debug } => {
+            let wheel = if all { wheel::build_for_all()? } else { wheel::build(!debug)? };
+            println!("{}", wheel.display());
             Ok(())
         }
         Task::Interop => {

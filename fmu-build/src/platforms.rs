@@ -93,11 +93,8 @@ impl Platform {
             command.args(["rustc", "--target", self.target]);
             command
         } else {
-            let zig =
-                python::environment(&root.join("fmu-build/platforms/requirements.txt"), "zig")?.join("bin");
-            let mut command = Command::new(zig.join("cargo-zigbuild"));
-            let path = std::env::var("PATH").unwrap_or_default();
-            command.env("PATH", format!("{}:{path}", zig.display()));
+            let mut command = Command::new(zig()?.join("cargo-zigbuild"));
+            command.env("PATH", path_with_zig()?);
             command.args(["rustc", "--target", &format!("{}.{GLIBC}", self.target)]);
             command
         };
@@ -114,6 +111,17 @@ impl Platform {
             .current_dir(root);
         library::run(&mut command, &format!("building for {}", self.target))
     }
+}
+
+/// The programs of the environment that zig is in.
+fn zig() -> Result<PathBuf> {
+    let requirements = project_root().join("fmu-build/platforms/requirements.txt");
+    Ok(python::environment(&requirements, "zig")?.join("bin"))
+}
+
+/// Where a program looks for zig first.
+pub fn path_with_zig() -> Result<String> {
+    Ok(format!("{}:{}", zig()?.display(), std::env::var("PATH").unwrap_or_default()))
 }
 
 /// Where it all goes.

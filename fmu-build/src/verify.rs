@@ -52,19 +52,14 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 ];
 
 /// What takes longer.
-const LONGER: [Stage; 7] = [
+const LONGER: [Stage; 8] = [
     ("FMUs, built again", built_again),
-    ("wheel, released", |root| {
-        run(
-            root,
-            "env",
-            &[&wheel_of_tests(true)?, PYTEST, "-m", "pytest", "--quiet", "fmpy-tests/test_wheel.py"],
-        )
-    }),
+    ("wheel, released", |root| test_wheel(root, &wheel::build(true)?)),
     ("export", exported),
     ("C boundary, valgrind", under_valgrind),
     ("C boundary, ASan", under_address_sanitizer),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
+    ("wheel, portable", |root| test_wheel(root, &wheel::build_for_all()?)),
     ("tools of others", |_| Ok(Outcome::Passed(interop::try_all(false)?))),
 ];
 
@@ -227,19 +222,21 @@ const PYTEST: &str = "target/python/bin/python";
 
 /// pytest in an environment of its own, a file of tests after the other on each of two cores; the wheel is not optimised.
 fn python_tests(root: &Path) -> Result<Outcome> {
+    python::of_tests()?;
+    let wheel = in_environment(&wheel::build(false)?);
     let suites = ["fmpy-tests", "checker", "benches/peers"];
-    run(
-        root,
-        "env",
-        &[&[wheel_of_tests(false)?.as_str(), PYTEST, "-m", "pytest", "--quiet"][..], &TWO_AT_ONCE, &suites]
-            .concat(),
-    )
+    run(root, "env", &[&[&wheel, PYTEST, "-m", "pytest", "--quiet"][..], &TWO_AT_ONCE, &suites].concat())
 }
 
-/// Builds the wheel and the environment of the tests, and says where the wheel is as `env` takes it.
-fn wheel_of_tests(release: bool) -> Result<String> {
+/// The tests of the wheel, with this one.
+fn test_wheel(root: &Path, wheel: &Path) -> Result<Outcome> {
     python::of_tests()?;
-    Ok(format!("CABLE_ROBOT_WHEEL={}", wheel::build(release)?.display()))
+    run(root, "env", &[&in_environment(wheel), PYTEST, "-m", "pytest", "--quiet", "fmpy-tests/test_wheel.py"])
+}
+
+/// Where the wheel is, as `env` takes it.
+fn in_environment(wheel: &Path) -> String {
+    format!("CABLE_ROBOT_WHEEL={}", wheel.display())
 }
 
 /// Runs as MCAP and Parquet, which the other stages do not build, read by the libraries of others.
