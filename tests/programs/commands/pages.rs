@@ -40,7 +40,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/paper.md", 1100),
     ("docs/python.md", 450),
     ("docs/report.md", 900),
-    ("docs/rig.md", 2400),
+    ("docs/rig.md", 2100),
     ("docs/rigs.md", 650),
     ("docs/scenarios.md", 550),
     ("docs/studies.md", 700),
