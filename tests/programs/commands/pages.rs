@@ -39,7 +39,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/own-robot.md", 500),
     ("docs/paper.md", 1100),
     ("docs/python.md", 450),
-    ("docs/report.md", 900),
+    ("docs/report.md", 800),
     ("docs/rig.md", 2100),
     ("docs/rigs.md", 650),
     ("docs/scenarios.md", 550),
