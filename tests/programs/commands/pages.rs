@@ -26,7 +26,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-addresses.md", 400),
     ("docs/can-bridge.md", 850),
     ("docs/can-peers.md", 350),
-    ("docs/command-line.md", 800),
+    ("docs/command-line.md", 750),
     ("docs/commissioning.md", 1300),
     ("docs/controller.md", 1300),
     ("docs/fmu.md", 1050),
