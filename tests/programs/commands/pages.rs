@@ -27,7 +27,7 @@ const BUDGETS: [(&str, usize); 26] = [
     ("docs/can-bridge.md", 850),
     ("docs/can-peers.md", 350),
     ("docs/command-line.md", 750),
-    ("docs/commissioning.md", 1300),
+    ("docs/commissioning.md", 1250),
     ("docs/controller.md", 1300),
     ("docs/fmu.md", 1050),
     ("docs/fuzzing.md", 400),
