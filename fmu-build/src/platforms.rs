@@ -93,8 +93,9 @@ impl Platform {
             command.args(["rustc", "--target", self.target]);
             command
         } else {
-            let mut command = Command::new(zig()?.join("cargo-zigbuild"));
-            command.env("PATH", path_with_zig()?);
+            let zig = zig()?;
+            let mut command = Command::new(zig.join("cargo-zigbuild"));
+            command.env("PATH", path_with(&zig));
             command.args(["rustc", "--target", &format!("{}.{GLIBC}", self.target)]);
             command
         };
@@ -114,14 +115,14 @@ impl Platform {
 }
 
 /// The programs of the environment that zig is in.
-fn zig() -> Result<PathBuf> {
+pub fn zig() -> Result<PathBuf> {
     let requirements = project_root().join("fmu-build/platforms/requirements.txt");
     Ok(python::environment(&requirements, "zig")?.join("bin"))
 }
 
-/// Where a program looks for zig first.
-pub fn path_with_zig() -> Result<String> {
-    Ok(format!("{}:{}", zig()?.display(), std::env::var("PATH").unwrap_or_default()))
+/// Where programs are looked for, in this folder first.
+pub fn path_with(folder: &Path) -> String {
+    format!("{}:{}", folder.display(), std::env::var("PATH").unwrap_or_default())
 }
 
 /// Where it all goes.

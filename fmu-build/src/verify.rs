@@ -54,12 +54,12 @@ const VIRTUAL_MACHINE: [&str; 6] = [
 /// What takes longer.
 const LONGER: [Stage; 8] = [
     ("FMUs, built again", built_again),
-    ("wheel, released", |root| test_wheel(root, &wheel::build(true)?)),
+    ("wheel, released", |root| pytest(root, &wheel::build(true)?, &[OF_THE_WHEEL])),
     ("export", exported),
     ("C boundary, valgrind", under_valgrind),
     ("C boundary, ASan", under_address_sanitizer),
     ("platforms", |_| Ok(Outcome::Passed(foreign::compare()?))),
-    ("wheel, portable", |root| test_wheel(root, &wheel::build_for_all()?)),
+    ("wheel, portable", |root| pytest(root, &wheel::build_for_all()?, &[OF_THE_WHEEL])),
     ("tools of others", |_| Ok(Outcome::Passed(interop::try_all(false)?))),
 ];
 
@@ -220,23 +220,20 @@ const TWO_AT_ONCE: [&str; 3] = ["--numprocesses=2", "--dist", "loadfile"];
 /// The interpreter of [`python::of_tests`].
 const PYTEST: &str = "target/python/bin/python";
 
-/// pytest in an environment of its own, a file of tests after the other on each of two cores; the wheel is not optimised.
+/// The tests of the wheel alone.
+const OF_THE_WHEEL: &str = "fmpy-tests/test_wheel.py";
+
+/// A file of tests after the other on each of two cores; the wheel is not optimised.
 fn python_tests(root: &Path) -> Result<Outcome> {
-    python::of_tests()?;
-    let wheel = in_environment(&wheel::build(false)?);
     let suites = ["fmpy-tests", "checker", "benches/peers"];
-    run(root, "env", &[&[&wheel, PYTEST, "-m", "pytest", "--quiet"][..], &TWO_AT_ONCE, &suites].concat())
+    pytest(root, &wheel::build(false)?, &[&TWO_AT_ONCE[..], &suites].concat())
 }
 
-/// The tests of the wheel, with this one.
-fn test_wheel(root: &Path, wheel: &Path) -> Result<Outcome> {
+/// pytest in an environment of its own, with this wheel.
+fn pytest(root: &Path, wheel: &Path, arguments: &[&str]) -> Result<Outcome> {
     python::of_tests()?;
-    run(root, "env", &[&in_environment(wheel), PYTEST, "-m", "pytest", "--quiet", "fmpy-tests/test_wheel.py"])
-}
-
-/// Where the wheel is, as `env` takes it.
-fn in_environment(wheel: &Path) -> String {
-    format!("CABLE_ROBOT_WHEEL={}", wheel.display())
+    let wheel = format!("CABLE_ROBOT_WHEEL={}", wheel.display());
+    run(root, "env", &[&[&wheel, PYTEST, "-m", "pytest", "--quiet"], arguments].concat())
 }
 
 /// Runs as MCAP and Parquet, which the other stages do not build, read by the libraries of others.

@@ -28,7 +28,11 @@ pub fn build_for_all() -> Result<PathBuf> {
     pack::build_for_all()?;
     copy_fmus(&platforms::folder())?;
     let mut maturin = maturin()?;
-    maturin.env("PATH", platforms::path_with_zig()?).args(["--release", "--zig", "--compatibility"]);
+    maturin.env("PATH", platforms::path_with(&platforms::zig()?)).args([
+        "--release",
+        "--zig",
+        "--compatibility",
+    ]);
     maturin.arg(format!("manylinux_{}", GLIBC.replace('.', "_")));
     built(&platforms::folder().join("wheels"), &mut maturin)
 }

@@ -111,7 +111,7 @@ impl Status {
     /// For a terminal.
     pub fn line(&self) -> String {
         let Some(report) = &self.report else { return "waiting for the first cycle".to_owned() };
-        let [p50, p99, max] = percentiles(&self.lateness);
+        let Times { p50, p99, max } = times(&self.lateness);
         let loads: Vec<_> = self.loads().iter().map(|load| format!("{:.0} %", 100.0 * load)).collect();
         let margins: Vec<_> = self.margins(report).iter().map(|margin| tenths(*margin)).collect();
         // What is behind them may be cut off.
@@ -153,12 +153,12 @@ impl Status {
 
     /// At the end.
     pub fn summary(&self) -> String {
-        let [p50, p99, max] = percentiles(&self.lateness);
-        let [first, second, third] = percentiles(&self.latency);
+        let Times { p50, p99, max } = times(&self.lateness);
+        let latency = times(&self.latency);
         format!(
             "{} cycles, {} missed; {} frames; late by {p50:.0} µs (p50), {p99:.0} µs (p99), {max:.0} µs (max); from encoder to \
-             torque {first:.0} µs (p50), {second:.0} µs (p99), {third:.0} µs (max)",
-            self.cycles, self.missed, self.frames
+             torque {:.0} µs (p50), {:.0} µs (p99), {:.0} µs (max)",
+            self.cycles, self.missed, self.frames, latency.p50, latency.p99, latency.max
         )
     }
 }
@@ -168,14 +168,11 @@ fn tenths(value: f64) -> String {
     format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
-/// p50, p99 and the largest, µs.
-fn percentiles(histogram: &Histogram<u64>) -> [f64; 3] {
-    [histogram.value_at_quantile(0.5), histogram.value_at_quantile(0.99), histogram.max()]
-        .map(|time| time as f64 / 1e3)
-}
-
+/// In µs.
 fn times(histogram: &Histogram<u64>) -> Times {
-    let [p50, p99, max] = percentiles(histogram);
+    let [p50, p99, max] =
+        [histogram.value_at_quantile(0.5), histogram.value_at_quantile(0.99), histogram.max()]
+            .map(|time| time as f64 / 1e3);
     Times { p50, p99, max }
 }
 
